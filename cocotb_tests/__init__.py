@@ -1,0 +1,1 @@
+"""Cycle-by-cycle cosimulation of every RTL module against its golden model."""

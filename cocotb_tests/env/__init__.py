@@ -1,0 +1,1 @@
+"""Shared test-bench parts: the cycle checker, stall shapes."""

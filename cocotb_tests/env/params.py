@@ -1,0 +1,12 @@
+"""The module parameters a build was made with."""
+
+from __future__ import annotations
+
+import json
+import os
+
+
+def params() -> dict[str, int]:
+    """Parameters given to `sim.runner.simulate`, by name."""
+    values: dict[str, int] = json.loads(os.environ["SLOG_PARAMS"])
+    return values

@@ -1,0 +1,32 @@
+"""Stall shapes: endless streams of 0/1 that say whether an end of a stream is willing in a clock."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from itertools import cycle, repeat
+
+SHAPES = ("none", "cyclic", "random", "long")
+
+
+def willing(shape: str, rng: random.Random) -> Iterator[int]:
+    """Endless willingness of `shape`: always; 1110 over and over; a fair coin; long runs of either.
+
+    Raises:
+        ValueError: for an unknown shape.
+    """
+    if shape == "none":
+        return repeat(1)
+    if shape == "cyclic":
+        return cycle((1, 1, 1, 0))
+    if shape == "random":
+        return iter(lambda: int(rng.random() < 0.5), None)
+    if shape == "long":
+        return _long(rng)
+    raise ValueError(f"unknown stall shape {shape!r}: one of {', '.join(SHAPES)}")
+
+
+def _long(rng: random.Random) -> Iterator[int]:
+    while True:
+        yield from repeat(1, rng.randint(1, 40))
+        yield from repeat(0, rng.randint(10, 80))

@@ -1,0 +1,1 @@
+"""The executable specification of the board: integer NumPy, no simulator."""

@@ -1,0 +1,25 @@
+// Assertion macros: live under Verilator, silent in synthesis. Every clocked one samples at clk_i and is off in rst_i.
+`ifndef SLOG_ASSERT_SVH
+`define SLOG_ASSERT_SVH
+
+`ifdef SYNTHESIS
+  `define SLOG_ASSERT(Name, Property)
+  `define SLOG_ASSERT_STABLE(Name, Valid, Ready, Data)
+  `define SLOG_ASSERT_INIT(Name, Condition)
+`else
+  // Property holds on every clock.
+  `define SLOG_ASSERT(Name, Property) \
+    Name : assert property (@(posedge clk_i) disable iff (rst_i) (Property)) \
+      else $error("%m: %s", `"Name`");
+  // Once offered, a transfer stays offered unchanged until it is taken.
+  `define SLOG_ASSERT_STABLE(Name, Valid, Ready, Data) \
+    Name : assert property (@(posedge clk_i) disable iff (rst_i) \
+      ((Valid) && !(Ready)) |=> ((Valid) && $stable(Data))) else $error("%m: %s", `"Name`");
+  // Elaboration check on parameters.
+  `define SLOG_ASSERT_INIT(Name, Condition) \
+    if (!(Condition)) begin : g_bad_``Name \
+      $fatal(1, "%m: %s", `"Name`"); \
+    end
+`endif
+
+`endif

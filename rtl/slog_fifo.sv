@@ -1,0 +1,55 @@
+// First-in first-out queue with registered storage and a combinational front.
+//
+// Latency    : a word pushed in clock t is offered in clock t+1.
+// Throughput : one push and one pop per clock, also when full (a pop frees its place in the next clock).
+// Formats    : opaque words of Width bits; level_o counts the words held, 0..Depth.
+`include "slog_assert.svh"
+module slog_fifo #(
+    parameter  int unsigned Width  = 8,
+    parameter  int unsigned Depth  = 4,
+    localparam int unsigned LevelW = $clog2(Depth + 1)
+) (
+    input  logic              clk_i,
+    input  logic              rst_i,
+    input  logic              in_valid_i,
+    output logic              in_ready_o,
+    input  logic [Width-1:0]  in_data_i,
+    output logic              out_valid_o,
+    input  logic              out_ready_i,
+    output logic [Width-1:0]  out_data_o,
+    output logic [LevelW-1:0] level_o
+);
+  localparam int unsigned AddrW = (Depth > 1) ? $clog2(Depth) : 1;
+  localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
+
+  logic [Width-1:0] mem_q[Depth];
+  logic [AddrW-1:0] head_q, tail_q;
+  logic [LevelW-1:0] level_q;
+  logic push, pop;
+
+  assign in_ready_o  = level_q != LevelW'(Depth);
+  assign out_valid_o = level_q != '0;
+  assign out_data_o  = mem_q[head_q];
+  assign level_o     = level_q;
+  assign push        = in_valid_i && in_ready_o;
+  assign pop         = out_valid_o && out_ready_i;
+
+  always_ff @(posedge clk_i) begin
+    if (push) mem_q[tail_q] <= in_data_i;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      head_q  <= '0;
+      tail_q  <= '0;
+      level_q <= '0;
+    end else begin
+      if (push) tail_q <= (tail_q == Last) ? '0 : tail_q + 1'b1;
+      if (pop) head_q <= (head_q == Last) ? '0 : head_q + 1'b1;
+      level_q <= level_q + LevelW'(push) - LevelW'(pop);
+    end
+  end
+
+  `SLOG_ASSERT(SlogFifoLevelInRange, level_q <= LevelW'(Depth))
+  `SLOG_ASSERT_STABLE(SlogFifoOutStable, out_valid_o, out_ready_i, out_data_o)
+endmodule : slog_fifo

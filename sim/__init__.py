@@ -1,0 +1,1 @@
+"""Builds and runs the RTL: the cocotb runner and the Verilated board."""
