@@ -18,6 +18,10 @@ COEF_BITS = 18
 """Bits of a signed LoG coefficient; 1.0 is 2**COEF_FRACTION."""
 COEF_FRACTION = 15
 TAG_BITS = 16
+SCORE_BITS = 15
+"""Bits of a score in a result, whatever the configuration: 0..16384."""
+NO_SCORE = (1 << SCORE_BITS) - 1
+"""Absent score: no offset there, or nothing outside the peak's neighbourhood."""
 
 
 @dataclass(frozen=True)
@@ -92,13 +96,8 @@ class Config:
 
     @property
     def score_bits(self) -> int:
-        """Bits of a score 0..max_window**2; all ones means `no score`."""
+        """Bits the array needs for a count 0..max_window**2; results always carry SCORE_BITS."""
         return (self.max_window**2).bit_length()
-
-    @property
-    def no_score(self) -> int:
-        """Encoding of an absent score: no offset there, or nothing outside the peak's neighbourhood."""
-        return (1 << self.score_bits) - 1
 
     @property
     def ring_rows(self) -> int:
