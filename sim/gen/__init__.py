@@ -1,0 +1,1 @@
+"""Generated from rtl/slog_csr.rdl by `python -m sim.regs`."""
