@@ -1,0 +1,41 @@
+"""Timing of `slog_operands` and `slog_array` (rtl/slog_array_pkg.sv says the same).
+
+All counts are clocks from the clock in which `slog_operands`' step is valid; `group_bits` is a power of two.
+"""
+
+from __future__ import annotations
+
+OPERAND_LATENCY = 6
+"""Step to the operand outputs."""
+WRITE_LATENCY = 1
+"""Write of a word to the first step that may read it."""
+REUSE_CLOCKS = 4
+"""Step to the first write that may overwrite a word the step reads."""
+
+
+def levels(group_bits: int) -> int:
+    """Levels of the popcount heap: both groups together hold 2**(levels + 1) bits."""
+    return (group_bits - 1).bit_length()
+
+
+def score_bits(group_bits: int) -> int:
+    """Bits of a count of mismatches, 0..(2*group_bits)**2."""
+    return 2 * levels(group_bits) + 3
+
+
+def core_latency(group_bits: int) -> int:
+    """Operands at `slog_array` to the first mismatch of the pass that ends with them.
+
+    Hop 1, XOR 1, heap levels, accumulator `score_bits` (bit 0 first), lane selection 3.
+    """
+    return levels(group_bits) + score_bits(group_bits) + 5
+
+
+def array_latency(group_bits: int) -> int:
+    """Last step of a pass to its first mismatch."""
+    return OPERAND_LATENCY + core_latency(group_bits)
+
+
+def drain_clocks(group_bits: int, lanes: int) -> int:
+    """Clocks without a valid step after which the mask may change."""
+    return OPERAND_LATENCY + lanes + levels(group_bits)

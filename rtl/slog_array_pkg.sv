@@ -1,0 +1,37 @@
+// Timing of slog_operands and slog_array, as functions of their parameters. Mirrored in golden/array_timing.py.
+//
+// All counts are clocks from the clock in which slog_operands' step_i.valid is high.
+package slog_array_pkg;
+  // step_i to the operand outputs.
+  localparam int unsigned OperandLatency = 6;
+  // wr_valid_i of a word to the first step_i that may read it.
+  localparam int unsigned WriteLatency = 1;
+  // step_i to the first wr_valid_i that may overwrite a word the step reads.
+  localparam int unsigned ReuseClocks = 4;
+
+  // Levels of the popcount heap: the operand groups together hold 2**(levels + 1) bits.
+  function automatic int unsigned levels(int unsigned group_bits);
+    return $clog2(group_bits);
+  endfunction
+
+  // Bits of a count of mismatches, 0..(2*group_bits)**2.
+  function automatic int unsigned score_bits(int unsigned group_bits);
+    return 2 * $clog2(group_bits) + 3;
+  endfunction
+
+  // Operand inputs of slog_array to the first mismatch_valid_o of the pass that ends with them:
+  // hop 1, XOR 1, heap levels, accumulator score_bits (bit 0 first), lane selection 3.
+  function automatic int unsigned core_latency(int unsigned group_bits);
+    return levels(group_bits) + score_bits(group_bits) + 5;
+  endfunction
+
+  // Last step of a pass to its first mismatch_valid_o.
+  function automatic int unsigned array_latency(int unsigned group_bits);
+    return OperandLatency + core_latency(group_bits);
+  endfunction
+
+  // Clocks without a valid step after which mask_i may change.
+  function automatic int unsigned drain_clocks(int unsigned group_bits, int unsigned lanes);
+    return OperandLatency + lanes + levels(group_bits);
+  endfunction
+endpackage : slog_array_pkg
