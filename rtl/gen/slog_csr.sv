@@ -1490,6 +1490,7 @@ module slog_csr (
             end
         end
     end
+    assign hwif_out.irq_status.capture.value = field_storage.irq_status.capture.value;
     // Field: slog_csr.irq_status.drop
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1515,6 +1516,7 @@ module slog_csr (
             end
         end
     end
+    assign hwif_out.irq_status.drop.value = field_storage.irq_status.drop.value;
     // Field: slog_csr.irq_status.overflow
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1540,6 +1542,7 @@ module slog_csr (
             end
         end
     end
+    assign hwif_out.irq_status.overflow.value = field_storage.irq_status.overflow.value;
     // Field: slog_csr.irq_enable.result
     always_comb begin
         automatic logic [0:0] next_c;

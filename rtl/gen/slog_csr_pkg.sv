@@ -584,6 +584,24 @@ package slog_csr_pkg;
 
     typedef struct {
         logic value;
+    } slog_csr__irq_status__capture__out_t;
+
+    typedef struct {
+        logic value;
+    } slog_csr__irq_status__drop__out_t;
+
+    typedef struct {
+        logic value;
+    } slog_csr__irq_status__overflow__out_t;
+
+    typedef struct {
+        slog_csr__irq_status__capture__out_t capture;
+        slog_csr__irq_status__drop__out_t drop;
+        slog_csr__irq_status__overflow__out_t overflow;
+    } slog_csr__irq_status__out_t;
+
+    typedef struct {
+        logic value;
     } slog_csr__irq_enable__result__out_t;
 
     typedef struct {
@@ -614,6 +632,7 @@ package slog_csr_pkg;
         slog_csr__result__out_t result;
         slog_csr__peek_address__out_t peek_address;
         slog_csr__peek_data__external__out_t peek_data;
+        slog_csr__irq_status__out_t irq_status;
         slog_csr__irq_enable__out_t irq_enable;
     } slog_csr__out_t;
 endpackage

@@ -341,7 +341,6 @@ typedef struct __attribute__ ((__packed__)) {
 #define SLOG_CSR__IRQ_STATUS__RESULT_bm 0x1
 #define SLOG_CSR__IRQ_STATUS__RESULT_bp 0
 #define SLOG_CSR__IRQ_STATUS__RESULT_bw 1
-#define SLOG_CSR__IRQ_STATUS__RESULT_reset 0x0
 #define SLOG_CSR__IRQ_STATUS__CAPTURE_bm 0x2
 #define SLOG_CSR__IRQ_STATUS__CAPTURE_bp 1
 #define SLOG_CSR__IRQ_STATUS__CAPTURE_bw 1

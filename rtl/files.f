@@ -1,0 +1,13 @@
+slog_pkg.sv
+gen/{config}/slog_cfg_pkg.sv
+gen/slog_csr_pkg.sv
+slog_ram.sv
+slog_fifo.sv
+slog_capture_channel.sv
+slog_capture.sv
+slog_filter_bank.sv
+slog_peek.sv
+slog_counters.sv
+gen/slog_csr.sv
+slog_control.sv
+slog_board.sv

@@ -1,0 +1,147 @@
+// Captures: which slot each camera's next frame goes to, which slots hold a frame, and the store's one write port.
+//
+// A command arms its camera with a slot, or cancels the camera's request. Arming is refused for a slot that is not there, a
+// slot the other camera holds, or a camera that is writing. An armed request that has not begun may be replaced.
+// A cancelled frame, an aborted frame and clear_i leave their slots invalid.
+//
+// Latency    : word to store write 2 clocks, more when both cameras bring words at once (camera 0 goes first).
+// Throughput : one word per clock into the store.
+`include "slog_assert.svh"
+module slog_capture #(
+    parameter  int unsigned Cameras     = 2,
+    parameter  int unsigned GroupBits   = 64,
+    parameter  int unsigned Slots       = 6,
+    parameter  int unsigned SlotWords   = 4800,
+    parameter  int unsigned WordsPerRow = 10,
+    localparam int unsigned AddrW       = $clog2(Slots * SlotWords)
+) (
+    input  logic                              clk_i,
+    input  logic                              rst_i,
+    input  logic                              cmd_valid_i,
+    input  logic                              cmd_cancel_i,
+    input  logic                              cmd_camera_i,
+    input  logic [2:0]                        cmd_slot_i,
+    input  logic                              clear_i,         // every slot becomes invalid
+    input  logic [7:0]                        slot_busy_i,     // slots the correlator reads
+    input  logic [Cameras-1:0]                word_valid_i,
+    input  logic [Cameras-1:0][GroupBits-1:0] word_data_i,
+    input  logic [Cameras-1:0]                word_last_i,
+    input  logic [Cameras-1:0]                frame_start_i,
+    input  logic [Cameras-1:0]                frame_done_i,
+    input  logic [Cameras-1:0]                frame_abort_i,
+    output logic                              wr_valid_o,
+    output logic [AddrW-1:0]                  wr_addr_o,
+    output logic [GroupBits-1:0]              wr_data_o,
+    output logic [7:0]                        slot_valid_o,
+    output logic [Cameras-1:0]                armed_o,
+    output logic [Cameras-1:0]                writing_o,
+    output logic                              refused_o,       // the last command was refused
+    output logic                              done_o           // pulse: a slot became valid
+);
+  logic [Cameras-1:0] arm, cancel, start, restore, finish, out_valid, out_ready;
+  logic [Cameras-1:0][2:0] slot;
+  logic [Cameras-1:0][AddrW-1:0] out_addr;
+  logic [Cameras-1:0][GroupBits-1:0] out_data;
+  logic [7:0] slot_valid_d, slot_valid_q;
+  logic slot_good, slot_taken, camera_good, accept, refused_q, done_q;
+  logic wr_valid_q;
+  logic [AddrW-1:0] wr_addr_q;
+  logic [GroupBits-1:0] wr_data_q;
+
+  assign slot_good   = 4'(cmd_slot_i) < 4'(Slots);
+  assign camera_good = 32'(cmd_camera_i) < Cameras;
+  assign accept      = slot_good && camera_good && !slot_taken;
+
+  always_comb begin
+    slot_taken = 1'b0;
+    for (int unsigned c = 0; c < Cameras; c++) begin
+      if (32'(cmd_camera_i) == c) slot_taken |= writing_o[c];
+      else slot_taken |= armed_o[c] && slot[c] == cmd_slot_i;
+    end
+    for (int unsigned c = 0; c < Cameras; c++) begin
+      arm[c]    = cmd_valid_i && !cmd_cancel_i && 32'(cmd_camera_i) == c && accept;
+      cancel[c] = cmd_valid_i && cmd_cancel_i && 32'(cmd_camera_i) == c;
+    end
+  end
+
+  for (genvar c = 0; c < Cameras; c++) begin : g_channel
+    slog_capture_channel #(
+        .GroupBits,
+        .Slots,
+        .SlotWords,
+        .WordsPerRow
+    ) u_channel (
+        .clk_i,
+        .rst_i,
+        .arm_i        (arm[c]),
+        .cancel_i     (cancel[c]),
+        .slot_i       (cmd_slot_i),
+        .slot_busy_i  (slot_busy_i[slot[c]]),
+        .slot_valid_i (slot_valid_q[slot[c]]),
+        .word_valid_i (word_valid_i[c]),
+        .word_data_i  (word_data_i[c]),
+        .word_last_i  (word_last_i[c]),
+        .frame_start_i(frame_start_i[c]),
+        .frame_done_i (frame_done_i[c]),
+        .frame_abort_i(frame_abort_i[c]),
+        .wr_valid_o   (out_valid[c]),
+        .wr_ready_i   (out_ready[c]),
+        .wr_addr_o    (out_addr[c]),
+        .wr_data_o    (out_data[c]),
+        .slot_o       (slot[c]),
+        .armed_o      (armed_o[c]),
+        .writing_o    (writing_o[c]),
+        .start_o      (start[c]),
+        .restore_o    (restore[c]),
+        .finish_o     (finish[c])
+    );
+  end
+
+  always_comb begin
+    slot_valid_d = slot_valid_q;
+    for (int unsigned c = 0; c < Cameras; c++) begin
+      if (start[c]) slot_valid_d[slot[c]] = 1'b0;
+      if (restore[c] || finish[c]) slot_valid_d[slot[c]] = 1'b1;
+    end
+    if (clear_i) slot_valid_d = '0;
+  end
+
+  always_comb begin
+    out_ready = '0;
+    for (int c = Cameras - 1; c >= 0; c--) begin
+      if (out_valid[c]) out_ready = Cameras'(1) << c;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      slot_valid_q <= '0;
+      refused_q    <= 1'b0;
+      done_q       <= 1'b0;
+      wr_valid_q   <= 1'b0;
+    end else begin
+      slot_valid_q <= slot_valid_d;
+      if (cmd_valid_i) refused_q <= !cmd_cancel_i && !accept;
+      done_q     <= finish != '0;
+      wr_valid_q <= out_valid != '0;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    for (int unsigned c = 0; c < Cameras; c++) begin
+      if (out_ready[c]) begin
+        wr_addr_q <= out_addr[c];
+        wr_data_q <= out_data[c];
+      end
+    end
+  end
+
+  assign wr_valid_o   = wr_valid_q;
+  assign wr_addr_o    = wr_addr_q;
+  assign wr_data_o    = wr_data_q;
+  assign slot_valid_o = slot_valid_q;
+  assign refused_o    = refused_q;
+  assign done_o       = done_q;
+
+  `SLOG_ASSERT_INIT(SlogCaptureSlots, Slots <= 8)
+endmodule : slog_capture

@@ -1,0 +1,272 @@
+// Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
+// registers' commands turned into the blocks' own terms.
+//
+// Latency    : a command reaches the blocks in the clock after its AXI4-Lite write is decoded; irq_o follows its cause by 2.
+module slog_control
+  import slog_pkg::*;
+  import slog_cfg_pkg::*;
+#(
+    localparam int unsigned AddrW = $clog2(StoreWords)
+) (
+    input  logic                           clk_i,
+    input  logic                           rst_i,
+    input  logic [7:0]                     s_axil_awaddr,
+    input  logic [2:0]                     s_axil_awprot,
+    input  logic                           s_axil_awvalid,
+    output logic                           s_axil_awready,
+    input  logic [31:0]                    s_axil_wdata,
+    input  logic [3:0]                     s_axil_wstrb,
+    input  logic                           s_axil_wvalid,
+    output logic                           s_axil_wready,
+    output logic [1:0]                     s_axil_bresp,
+    output logic                           s_axil_bvalid,
+    input  logic                           s_axil_bready,
+    input  logic [7:0]                     s_axil_araddr,
+    input  logic [2:0]                     s_axil_arprot,
+    input  logic                           s_axil_arvalid,
+    output logic                           s_axil_arready,
+    output logic [31:0]                    s_axil_rdata,
+    output logic [1:0]                     s_axil_rresp,
+    output logic                           s_axil_rvalid,
+    input  logic                           s_axil_rready,
+    // front ends
+    output logic                           hold_o,
+    output logic [9:0]                     width_o,
+    output logic [9:0]                     height_o,
+    output logic [Coefs-1:0][CoefBits-1:0] g_o,
+    output logic [Coefs-1:0][CoefBits-1:0] g2_o,
+    input  logic [Cameras-1:0]             active_i,
+    input  logic [Cameras-1:0]             accepted_i,
+    input  logic [Cameras-1:0]             dropped_i,
+    // capture
+    output logic                           capture_valid_o,
+    output logic                           capture_cancel_o,
+    output logic                           capture_camera_o,
+    output logic [2:0]                     capture_slot_o,
+    output logic                           slots_clear_o,
+    input  logic [7:0]                     slot_valid_i,
+    input  logic [Cameras-1:0]             armed_i,
+    input  logic [Cameras-1:0]             writing_i,
+    input  logic                           refused_i,
+    input  logic                           captured_i,
+    // jobs
+    output logic                           job_valid_o,
+    input  logic                           job_ready_i,
+    output job_t                           job_o,
+    output logic [9:0]                     grid_x_o,
+    output logic [9:0]                     grid_y_o,
+    output logic [9:0]                     step_x_o,
+    output logic [9:0]                     step_y_o,
+    input  logic [15:0]                    job_level_i,
+    input  logic                           job_busy_i,
+    // results
+    input  logic                           result_valid_i,
+    output logic                           result_ready_o,
+    input  result_t                        result_i,
+    input  logic [15:0]                    result_level_i,
+    input  logic                           work_i,           // a job is in work
+    input  logic                           score_i,          // a score was computed
+    // plane read-back
+    output logic                           peek_valid_o,
+    input  logic                           peek_ready_i,
+    output logic [AddrW-1:0]               peek_addr_o,
+    input  logic                           peek_done_i,
+    input  logic [GroupBits-1:0]           peek_data_i,
+    output logic                           irq_o
+);
+  // Counters, in the order of the event vector below.
+  localparam int unsigned MaxCameras = 2;
+  localparam int unsigned Events = 6 + 2 * MaxCameras;
+
+  slog_csr_pkg::slog_csr__in_t hwif_in;
+  slog_csr_pkg::slog_csr__out_t hwif_out;
+  logic [Events-1:0] events;
+  logic [Events-1:0][31:0] counts;
+  logic overflow, taken, filter_busy, size_error, irq_q;
+  logic [31:0] peek_data;
+  logic peek_answer;
+
+  slog_csr u_csr (
+      .clk(clk_i),
+      .rst(rst_i),
+      .s_axil_awready,
+      .s_axil_awvalid,
+      .s_axil_awaddr,
+      .s_axil_awprot,
+      .s_axil_wready,
+      .s_axil_wvalid,
+      .s_axil_wdata,
+      .s_axil_wstrb,
+      .s_axil_bready,
+      .s_axil_bvalid,
+      .s_axil_bresp,
+      .s_axil_arready,
+      .s_axil_arvalid,
+      .s_axil_araddr,
+      .s_axil_arprot,
+      .s_axil_rready,
+      .s_axil_rvalid,
+      .s_axil_rdata,
+      .s_axil_rresp,
+      .hwif_in,
+      .hwif_out
+  );
+
+  slog_filter_bank #(
+      .Cameras,
+      .Coefs,
+      .CoefBits,
+      .MinImage,
+      .MaxWidth,
+      .MaxHeight
+  ) u_filter_bank (
+      .clk_i,
+      .rst_i,
+      .coef_valid_i  (hwif_out.coef.go.value),
+      .coef_second_i (hwif_out.coef.second.value),
+      .coef_index_i  (hwif_out.coef.index.value),
+      .coef_value_i  (hwif_out.coef.value.value),
+      .commit_i      (hwif_out.filter.go.value),
+      .width_i       (hwif_out.image_size.width.value),
+      .height_i      (hwif_out.image_size.height.value),
+      .active_i      (active_i | writing_i),
+      .hold_o,
+      .busy_o        (filter_busy),
+      .size_error_o  (size_error),
+      .size_changed_o(slots_clear_o),
+      .width_o,
+      .height_o,
+      .g_o,
+      .g2_o
+  );
+
+  slog_peek #(
+      .GroupBits,
+      .StoreWords
+  ) u_peek (
+      .clk_i,
+      .rst_i,
+      .go_i     (hwif_out.peek_address.go.value),
+      .address_i(hwif_out.peek_address.address.value),
+      .request_i(hwif_out.peek_data.req && !hwif_out.peek_data.req_is_wr),
+      .answer_o (peek_answer),
+      .data_o   (peek_data),
+      .peek_valid_o,
+      .peek_ready_i,
+      .peek_addr_o,
+      .peek_done_i,
+      .peek_data_i
+  );
+
+  slog_counters #(
+      .Events
+  ) u_counters (
+      .clk_i,
+      .rst_i,
+      .event_i(events),
+      .count_o(counts)
+  );
+
+  // Commands
+  assign capture_valid_o  = hwif_out.capture.go.value;
+  assign capture_cancel_o = hwif_out.capture.cancel.value;
+  assign capture_camera_o = hwif_out.capture.camera.value;
+  assign capture_slot_o   = hwif_out.capture.slot.value;
+
+  assign job_valid_o = hwif_out.job.submit.go.value;
+  assign overflow    = job_valid_o && !job_ready_i;
+  assign job_o = '{
+      tag: hwif_out.job.submit.tag.value,
+      surface: hwif_out.job.submit.surface.value,
+      tpl_slot: hwif_out.job.tpl.slot.value,
+      tpl_x: hwif_out.job.tpl.x.value,
+      tpl_y: hwif_out.job.tpl.y.value,
+      width: hwif_out.job.window.width.value,
+      height: hwif_out.job.window.height.value,
+      search_slot: hwif_out.job.search.slot.value,
+      search_x: hwif_out.job.search.x.value,
+      search_y: hwif_out.job.search.y.value,
+      offsets_x: hwif_out.job.offsets.across.value,
+      offsets_y: hwif_out.job.offsets.down.value
+  };
+  assign grid_x_o       = hwif_out.job.grid.across.value;
+  assign grid_y_o       = hwif_out.job.grid.down.value;
+  assign step_x_o       = hwif_out.job.step.x.value;
+  assign step_y_o       = hwif_out.job.step.y.value;
+  assign result_ready_o = hwif_out.result.pop.go.value;
+
+  // Status
+  assign hwif_in.build_image.max_width.next       = 10'(MaxWidth);
+  assign hwif_in.build_image.max_height.next      = 10'(MaxHeight);
+  assign hwif_in.build_filter.min_image.next      = 10'(MinImage);
+  assign hwif_in.build_filter.radius.next         = 5'(Radius);
+  assign hwif_in.build_filter.fraction.next       = 5'(CoefFraction);
+  assign hwif_in.build_window.min_window.next     = 8'(MinWindow);
+  assign hwif_in.build_window.max_window.next     = 8'(MaxWindow);
+  assign hwif_in.build_window.group_bits.next     = 8'(GroupBits);
+  assign hwif_in.build_window.words_per_row.next  = 8'(WordsPerRow);
+  assign hwif_in.build_board.cameras.next         = 4'(Cameras);
+  assign hwif_in.build_board.slots.next           = 4'(Slots);
+  assign hwif_in.build_board.lanes.next           = 8'(Lanes);
+  assign hwif_in.build_board.surface_depth.next   = 16'(SurfaceDepth);
+  assign hwif_in.build_queue.job_depth.next       = 16'(JobDepth);
+  assign hwif_in.build_queue.result_depth.next    = 16'(ResultDepth);
+  assign hwif_in.image_active.width.next          = width_o;
+  assign hwif_in.image_active.height.next         = height_o;
+  assign hwif_in.filter.busy.next                 = filter_busy;
+  assign hwif_in.filter.size_error.next           = size_error;
+  assign hwif_in.filter.active.next               = 2'(active_i);
+  assign hwif_in.slot_status.valid.next           = slot_valid_i;
+  assign hwif_in.slot_status.armed.next           = 2'(armed_i);
+  assign hwif_in.slot_status.writing.next         = 2'(writing_i);
+  assign hwif_in.slot_status.refused.next         = refused_i;
+  assign hwif_in.job.status.waiting.next          = job_level_i;
+  assign hwif_in.job.status.ready.next            = job_ready_i;
+  assign hwif_in.job.status.busy.next             = job_busy_i;
+  assign hwif_in.result.pop.waiting.next          = result_level_i;
+  assign hwif_in.result.head.tag.next             = result_i.tag;
+  assign hwif_in.result.head.status.next          = result_i.status;
+  assign hwif_in.result.head.valid.next           = result_valid_i;
+  assign hwif_in.result.best.x.next               = result_i.best_x;
+  assign hwif_in.result.best.y.next               = result_i.best_y;
+  assign hwif_in.result.scores.score.next         = result_i.score;
+  assign hwif_in.result.scores.runner_up.next     = result_i.runner_up;
+  for (genvar k = 0; k < 4; k++) begin : g_neighbour
+    assign hwif_in.result.neighbour[k].even.next = result_i.neighbour[2*k];
+    assign hwif_in.result.neighbour[k].odd.next  = result_i.neighbour[2*k+1];
+  end
+  assign hwif_in.peek_data.rd_ack                 = peek_answer;
+  assign hwif_in.peek_data.rd_data.value          = peek_data;
+  assign hwif_in.irq_status.result.next           = result_valid_i;
+  assign hwif_in.irq_status.capture.next          = captured_i;
+  assign hwif_in.irq_status.drop.next             = dropped_i != '0;
+  assign hwif_in.irq_status.overflow.next         = overflow;
+
+  // Counters
+  assign taken = result_valid_i && result_ready_o;
+  assign events = {
+      MaxCameras'(dropped_i), MaxCameras'(accepted_i), overflow, taken && result_i.status != StatusOk,
+      taken && result_i.status == StatusOk, score_i, work_i, 1'b1
+  };
+  assign hwif_in.counter.clocks.value.next    = counts[0];
+  assign hwif_in.counter.busy.value.next      = counts[1];
+  assign hwif_in.counter.scores.value.next    = counts[2];
+  assign hwif_in.counter.jobs.value.next      = counts[3];
+  assign hwif_in.counter.refused.value.next   = counts[4];
+  assign hwif_in.counter.overflows.value.next = counts[5];
+  for (genvar c = 0; c < MaxCameras; c++) begin : g_camera
+    assign hwif_in.counter.frames[c].value.next = counts[6+c];
+    assign hwif_in.counter.drops[c].value.next  = counts[6+MaxCameras+c];
+  end
+
+  // Interrupt
+  always_ff @(posedge clk_i) begin
+    if (rst_i) irq_q <= 1'b0;
+    else
+      irq_q <= (result_valid_i && hwif_out.irq_enable.result.value) ||
+               (hwif_out.irq_status.capture.value && hwif_out.irq_enable.capture.value) ||
+               (hwif_out.irq_status.drop.value && hwif_out.irq_enable.drop.value) ||
+               (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value);
+  end
+  assign irq_o = irq_q;
+endmodule : slog_control

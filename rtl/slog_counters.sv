@@ -1,0 +1,22 @@
+// Event counters of the board, 32 bits each, modulo 2**32, zero after reset.
+//
+// Latency    : an event shows in the clock after it.
+// Throughput : one event of each kind per clock.
+module slog_counters #(
+    parameter  int unsigned Events = 10,
+    localparam int unsigned Bits   = 32
+) (
+    input  logic                        clk_i,
+    input  logic                        rst_i,
+    input  logic [Events-1:0]           event_i,
+    output logic [Events-1:0][Bits-1:0] count_o
+);
+  for (genvar k = 0; k < Events; k++) begin : g_counter
+    logic [Bits-1:0] count_q;
+    always_ff @(posedge clk_i) begin
+      if (rst_i) count_q <= '0;
+      else if (event_i[k]) count_q <= count_q + 1'b1;
+    end
+    assign count_o[k] = count_q;
+  end
+endmodule : slog_counters
