@@ -36,6 +36,11 @@ def array_latency(group_bits: int) -> int:
     return OPERAND_LATENCY + core_latency(group_bits)
 
 
+def hold_clocks(group_bits: int, lanes: int) -> int:
+    """Clocks for which `slog_array` must keep moving after one with valid operands."""
+    return core_latency(group_bits) + lanes
+
+
 def drain_clocks(group_bits: int, lanes: int) -> int:
     """Clocks without a valid step after which the mask may change."""
     return OPERAND_LATENCY + lanes + levels(group_bits)

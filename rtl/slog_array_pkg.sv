@@ -30,6 +30,11 @@ package slog_array_pkg;
     return OperandLatency + core_latency(group_bits);
   endfunction
 
+  // Clocks for which slog_array must keep moving after one with valid operands.
+  function automatic int unsigned hold_clocks(int unsigned group_bits, int unsigned lanes);
+    return core_latency(group_bits) + lanes;
+  endfunction
+
   // Clocks without a valid step after which mask_i may change.
   function automatic int unsigned drain_clocks(int unsigned group_bits, int unsigned lanes);
     return OperandLatency + lanes + levels(group_bits);

@@ -1,0 +1,91 @@
+// Output-stationary systolic XOR/popcount array: each lane scores one horizontal offset of a window.
+//
+//   mismatch[k] = sum over the pass's rows and both groups of popcount((tpl ^ search[GroupBits-1+k : k]) & mask)
+//
+// A pass is a run of operand rows (first .. last) with any number of invalid clocks between; passes follow one another
+// without a gap. Group B's bits of mask_i are mask_i[2*GroupBits-1:GroupBits].
+//
+// Stage                 registers              valid at lane k, bit i after the operands' clock (L = Levels)
+//   hop, XOR            slog_lanes             2 + k
+//   heap of adders      slog_popcount          2 + L + k + i
+//   sum over rows       slog_accumulator       3 + L + k + i
+//   lane selection      slog_emit              6 + L + k + i
+//   deskewed score      mismatch_o             5 + L + ScoreBits + k = slog_array_pkg::core_latency + k
+//
+// Throughput : one operand row of both groups per clock; one score per clock.
+// Rules      : operands are 0 where they must not count: all of them in clocks without valid_i, group B's in the odd
+//              last row. Last rows of passes are at least lanes_i clocks apart. move_i is high from a valid clock until
+//              slog_array_pkg::hold_clocks later at least, and in reset; in other clocks it may be low and everything holds.
+// Formats    : mismatch unsigned, 0..(2*GroupBits)**2, and 0 while mismatch_valid_o is low.
+`include "slog_assert.svh"
+module slog_array #(
+    parameter  int unsigned GroupBits  = 8,
+    parameter  int unsigned Lanes      = 5,
+    localparam int unsigned SearchBits = GroupBits + Lanes - 1,
+    localparam int unsigned LaneW      = $clog2(Lanes + 1),
+    localparam int unsigned ScoreBits  = slog_array_pkg::score_bits(GroupBits)
+) (
+    input  logic                   clk_i,
+    input  logic                   rst_i,
+    input  logic                   move_i,
+    input  logic [2*GroupBits-1:0] mask_i,
+    input  logic                   valid_i,
+    input  logic                   first_i,
+    input  logic                   last_i,
+    input  logic [LaneW-1:0]       lanes_i,
+    input  logic [GroupBits-1:0]   tpl_a_i,
+    input  logic [GroupBits-1:0]   tpl_b_i,
+    input  logic [SearchBits-1:0]  search_a_i,
+    input  logic [SearchBits-1:0]  search_b_i,
+    output logic                   mismatch_valid_o,
+    output logic [ScoreBits-1:0]   mismatch_o
+);
+  localparam int unsigned Levels    = slog_array_pkg::levels(GroupBits);
+  localparam int unsigned CountBits = Levels + 1;
+  localparam int unsigned WaveBits  = ScoreBits + Lanes - 1;
+
+  logic [Lanes-1:0] x_a[GroupBits] /* verilator split_var */;
+  logic [Lanes-1:0] x_b[GroupBits] /* verilator split_var */;
+  logic [Lanes-1:0] count[CountBits] /* verilator split_var */;
+  logic [Lanes-1:0] total[ScoreBits] /* verilator split_var */;
+
+  slog_lanes #(.GroupBits(GroupBits), .Lanes(Lanes), .Stagger(1'b1)) u_lanes_a (
+      .clk_i, .move_i, .tpl_i(tpl_a_i), .search_i(search_a_i), .mask_i(mask_i[GroupBits-1:0]), .x_o(x_a)
+  );
+  slog_lanes #(.GroupBits(GroupBits), .Lanes(Lanes)) u_lanes_b (
+      .clk_i, .move_i, .tpl_i(tpl_b_i), .search_i(search_b_i), .mask_i(mask_i[2*GroupBits-1:GroupBits]), .x_o(x_b)
+  );
+  slog_popcount #(.GroupBits(GroupBits), .Lanes(Lanes)) u_popcount (
+      .clk_i, .move_i, .a_i(x_a[1:GroupBits-1]), .b_i(x_b), .count_o(count)
+  );
+
+  // The control bits wait for bit 0 of lane 0's count.
+  logic [Levels:0] first_q;
+  logic [Levels+1:0] last_q;
+  logic [LaneW-1:0] lanes_q[Levels+2];
+  logic [WaveBits-1:0] wave_q;  // starts of passes, one lane or slice further each clock
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      first_q <= '0;
+      last_q  <= '0;
+    end else if (move_i) begin
+      first_q <= {first_q[Levels-1:0], valid_i && first_i};
+      last_q  <= {last_q[Levels:0], valid_i && last_i};
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (move_i) begin
+      lanes_q[0] <= lanes_i;
+      for (int unsigned d = 1; d < Levels + 2; d++) lanes_q[d] <= lanes_q[d-1];
+      wave_q <= {wave_q[WaveBits-2:0], first_q[Levels]};
+    end
+  end
+
+  slog_accumulator #(.CountBits(CountBits), .ScoreBits(ScoreBits), .Lanes(Lanes)) u_accumulator (
+      .clk_i, .move_i, .first_i(wave_q), .extra_i(x_a[0]), .count_i(count), .total_o(total)
+  );
+  slog_emit #(.ScoreBits(ScoreBits), .Lanes(Lanes)) u_emit (
+      .clk_i, .rst_i, .move_i, .last_i(last_q[Levels+1]), .lanes_i(lanes_q[Levels+1]), .total_i(total),
+      .mismatch_valid_o, .mismatch_o
+  );
+endmodule : slog_array
