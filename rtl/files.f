@@ -1,8 +1,17 @@
 slog_pkg.sv
+slog_store_pkg.sv
+slog_fetch_pkg.sv
 gen/{config}/slog_cfg_pkg.sv
 gen/slog_csr_pkg.sv
 slog_ram.sv
 slog_fifo.sv
+slog_store.sv
+slog_align.sv
+slog_job_check.sv
+slog_job_plan.sv
+slog_fetch.sv
+slog_walker.sv
+slog_sequencer.sv
 slog_capture_channel.sv
 slog_capture.sv
 slog_filter_bank.sv

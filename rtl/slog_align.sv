@@ -1,0 +1,76 @@
+// Funnel shifter: turns the store words of a row into words that begin at the row's first bit.
+//
+//   out word k = {store word k+1, store word k}[shift + Width - 1 : shift]
+//
+//   stage  registers
+//   0      store word k, shift, side
+//   1      Width + Width/4 - 1 bits of the pair, after the two high bits of the shift
+//   2..    two more bits of the shift each
+// Latency    : 1 + ceil(log2(Width) / 2) clocks from in_valid_i to out_valid_o; words without in_emit_i give none.
+// Throughput : one word per clock.
+// Rule       : the words of a row come in consecutive clocks; the word after a row's last one is whatever
+//              in_data_i holds then, so bits past the row's last store word mean nothing.
+`include "slog_assert.svh"
+module slog_align #(
+    parameter  int unsigned Width   = 64,
+    parameter  int unsigned SideW   = 8,
+    localparam int unsigned ShiftW  = $clog2(Width),
+    localparam int unsigned Stages  = (ShiftW + 1) / 2,
+    localparam int unsigned Latency = 1 + Stages
+) (
+    input  logic              clk_i,
+    input  logic              rst_i,
+    input  logic              in_valid_i,
+    input  logic              in_emit_i,   // an aligned word begins in this store word
+    input  logic [Width-1:0]  in_data_i,
+    input  logic [ShiftW-1:0] in_shift_i,
+    input  logic [SideW-1:0]  in_side_i,
+    output logic              out_valid_o,
+    output logic [Width-1:0]  out_data_o,
+    output logic [SideW-1:0]  out_side_o
+);
+  localparam int unsigned PadW = 2 * Stages;  // shift bits, made even
+
+  logic [Latency-1:0] valid_q;
+  logic [Width-1:0] low_q;
+  logic [2*Width-1:0] stage_q[Stages];
+  logic [PadW-1:0] shift_q[Stages];
+  logic [SideW-1:0] side_q[Latency];
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) valid_q <= '0;
+    else valid_q <= {valid_q[Latency-2:0], in_valid_i && in_emit_i};
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (in_valid_i && in_emit_i) begin
+      low_q      <= in_data_i;
+      shift_q[0] <= PadW'(in_shift_i);
+      side_q[0]  <= in_side_i;
+    end
+    for (int unsigned s = 1; s < Latency; s++) if (valid_q[s-1]) side_q[s] <= side_q[s-1];
+    for (int unsigned s = 1; s < Stages; s++) if (valid_q[s-1]) shift_q[s] <= shift_q[s-1];
+  end
+
+  for (genvar s = 0; s < Stages; s++) begin : g_stage
+    localparam int unsigned Low = PadW - 2 - 2 * s;  // lowest shift bit of this stage
+    // Bits that later stages can still reach; those above are constant zero.
+    localparam int unsigned Keep = Width + (1 << Low) - 1;
+    logic [2*Width-1:0] wide, narrow;
+    if (s == 0) begin : g_pair
+      assign wide = {in_data_i, low_q};
+    end else begin : g_next
+      assign wide = stage_q[s-1];
+    end
+    assign narrow = (wide >> (PadW'(shift_q[s][Low+:2]) << Low)) & ({(2 * Width) {1'b1}} >> (2 * Width - Keep));
+    always_ff @(posedge clk_i) begin
+      if (valid_q[s]) stage_q[s] <= narrow;
+    end
+  end
+
+  assign out_valid_o = valid_q[Latency-1];
+  assign out_data_o  = stage_q[Stages-1][Width-1:0];
+  assign out_side_o  = side_q[Latency-1];
+
+  `SLOG_ASSERT_INIT(SlogAlignPowerOfTwo, Width == 2 ** ShiftW && ShiftW >= 2)
+endmodule : slog_align

@@ -1,0 +1,37 @@
+// Types between the fetch unit, the sequencer and its walker. Widths are those of the largest board.
+package slog_fetch_pkg;
+  import slog_pkg::*;
+
+  // Where a rectangle of bits lies in the store and how its rows are aligned.
+  typedef struct packed {
+    logic [15:0] addr;       // store word that holds the first row's first bit
+    logic [5:0]  shift;      // place of that bit in its word
+    logic [3:0]  words_in;   // store words a row touches, less one
+    logic [3:0]  words_out;  // aligned words a row fills, less one
+    logic [9:0]  rows;       // rows, less one
+  } load_t;
+
+  // A job on its way to the sequencer. Operands may still be loading.
+  typedef struct packed {
+    job_t              job;
+    status_e           status;
+    logic              bank;  // template bank
+    logic [8:0]        row;   // ring row counter of the first search row
+    logic [ScoreW-1:0] area;  // width * height
+  } ticket_t;
+
+  // One row of offsets, ready to be stepped through.
+  typedef struct packed {
+    logic       final_row;   // last row of its job
+    logic       bank;
+    logic       wide;
+    logic       odd;         // paired, odd height: group B is empty in the last step
+    logic [6:0] last_step;   // steps of a pass, less one
+    logic [7:0] ring_row;    // ring row of the window's top
+    logic [4:0] last_chunk;  // passes, less one
+    logic [5:0] last_lanes;  // offsets of the last pass
+    logic [5:0] gap_row;     // idle clocks before the first pass
+    logic [5:0] gap_pass;    // idle clocks before each other pass
+    logic [8:0] free_to;     // ring row counter up to which rows are free once this row is done
+  } row_t;
+endpackage : slog_fetch_pkg

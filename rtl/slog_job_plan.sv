@@ -1,0 +1,115 @@
+// Where a job's template and search rectangles lie in the store.
+//
+//   addr      = (slot * MaxHeight + y) * WordsPerRow + x / Width        shift = x mod Width
+//   words_in  = (x + bits - 1) / Width - x / Width                      words_out = (bits - 1) / Width
+//   template: bits = width, rows = height; search: bits = width + offsets_x - 1, rows = height + offsets_y - 1
+//   words_in, words_out and rows are less one (load_t). The product is made by shift and add.
+//
+// Latency    : tpl_o and search_o are right from WordsBits + 2 clocks after start_i (at least 4), until the next start_i.
+// Throughput : one job at a time; job_i is stable meanwhile. The plan of a job that is refused means nothing.
+`include "slog_assert.svh"
+module slog_job_plan
+  import slog_pkg::*, slog_fetch_pkg::*;
+#(
+    parameter  int unsigned Width       = 64,
+    parameter  int unsigned MaxHeight   = 480,
+    parameter  int unsigned WordsPerRow = 10,
+    localparam int unsigned ShiftW      = $clog2(Width),
+    localparam int unsigned WordsBits   = $clog2(WordsPerRow + 1),
+    localparam int unsigned Latency     = (WordsBits > 2) ? WordsBits + 2 : 4
+) (
+    input  logic  clk_i,
+    input  logic  rst_i,
+    input  logic  start_i,
+    // The tag does not matter here.
+    /* verilator lint_off UNUSEDSIGNAL */
+    input  job_t  job_i,
+    /* verilator lint_on UNUSEDSIGNAL */
+    output load_t tpl_o,
+    output load_t search_o
+);
+  localparam int unsigned LineW = $clog2(8 * MaxHeight + 1024);
+
+  logic [Latency-1:0] at_q;  // clocks since start_i, one-hot; [0] is the clock after it
+  always_ff @(posedge clk_i) begin
+    if (rst_i) at_q <= '0;
+    else at_q <= {at_q[Latency-2:0], start_i};
+  end
+
+  function automatic logic [LineW-1:0] line_of(logic [2:0] slot, logic [9:0] y);
+    logic [LineW-1:0] first;
+    first = '0;
+    for (int unsigned s = 0; s < 8; s++) if (slot == 3'(s)) first = LineW'(s * MaxHeight);
+    return first + LineW'(y);
+  endfunction
+
+  function automatic logic [3:0] word_of(logic [9:0] column);
+    return 4'(column >> ShiftW);
+  endfunction
+
+  // Extents.
+  logic [7:0] width_q;                      // bits of a template row, less one
+  logic [9:0] across_q, down_q;             // offsets, less one
+  logic [9:0] span_q, search_rows_q;        // bits of a search row, and rows, less one
+  logic [3:0] tpl_last_q, search_last_q;    // word of the row's last bit
+  logic [3:0] tpl_words_q, search_words_q;
+  always_ff @(posedge clk_i) begin
+    if (start_i) begin
+      width_q  <= job_i.width - 1'b1;
+      across_q <= job_i.offsets_x - 1'b1;
+      down_q   <= job_i.offsets_y - 1'b1;
+    end
+    if (at_q[0]) begin
+      span_q        <= across_q + 10'(width_q);
+      search_rows_q <= down_q + 10'(job_i.height) - 1'b1;
+      tpl_last_q    <= word_of(job_i.tpl_x + 10'(width_q));
+    end
+    if (at_q[1]) begin
+      search_last_q <= word_of(job_i.search_x + span_q);
+      tpl_words_q   <= tpl_last_q - word_of(job_i.tpl_x);
+    end
+    if (at_q[2]) search_words_q <= search_last_q - word_of(job_i.search_x);
+  end
+
+  // Addresses: WordsBits steps of shift and add, then the word within the row.
+  logic [LineW-1:0] tpl_line_q, search_line_q;
+  logic [WordsBits-1:0] factor_q;
+  logic [15:0] tpl_addr_q, search_addr_q;
+  logic multiply;
+  assign multiply = |at_q[WordsBits-1:0];
+  always_ff @(posedge clk_i) begin
+    if (start_i) begin
+      tpl_line_q    <= line_of(job_i.tpl_slot, job_i.tpl_y);
+      search_line_q <= line_of(job_i.search_slot, job_i.search_y);
+      factor_q      <= WordsBits'(WordsPerRow);
+      tpl_addr_q    <= '0;
+      search_addr_q <= '0;
+    end else if (multiply) begin
+      factor_q      <= factor_q << 1;
+      tpl_addr_q    <= (tpl_addr_q << 1) + (factor_q[WordsBits-1] ? 16'(tpl_line_q) : '0);
+      search_addr_q <= (search_addr_q << 1) + (factor_q[WordsBits-1] ? 16'(search_line_q) : '0);
+    end else if (at_q[WordsBits]) begin
+      tpl_addr_q    <= tpl_addr_q + 16'(word_of(job_i.tpl_x));
+      search_addr_q <= search_addr_q + 16'(word_of(job_i.search_x));
+    end
+  end
+
+  assign tpl_o = '{
+          addr: tpl_addr_q,
+          shift: 6'(job_i.tpl_x[ShiftW-1:0]),
+          words_in: tpl_words_q,
+          words_out: word_of(10'(width_q)),
+          rows: 10'(job_i.height) - 1'b1
+      };
+  assign search_o = '{
+          addr: search_addr_q,
+          shift: 6'(job_i.search_x[ShiftW-1:0]),
+          words_in: search_words_q,
+          words_out: word_of(span_q),
+          rows: search_rows_q
+      };
+
+  `SLOG_ASSERT_INIT(SlogJobPlanShift, ShiftW <= 6 && ShiftW >= 2)
+  `SLOG_ASSERT_INIT(SlogJobPlanWords, WordsPerRow <= 15 && 8 * MaxHeight * WordsPerRow <= 65536)
+  `SLOG_ASSERT(SlogJobPlanStable, |at_q |-> $stable(job_i))
+endmodule : slog_job_plan
