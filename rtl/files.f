@@ -4,6 +4,7 @@ slog_fetch_pkg.sv
 gen/{config}/slog_cfg_pkg.sv
 gen/slog_csr_pkg.sv
 slog_ram.sv
+slog_mult.sv
 slog_fifo.sv
 slog_store.sv
 slog_align.sv
