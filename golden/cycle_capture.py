@@ -1,0 +1,137 @@
+"""Cycle models of `slog_capture` and its `slog_capture_channel`."""
+
+from __future__ import annotations
+
+from collections import deque
+
+FIFO_DEPTH = 4
+CHECK_CLOCKS = 3
+IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
+
+
+class ChannelModel:
+    """One camera's captures; the fields are the registers of `slog_capture_channel`."""
+
+    def __init__(self, slot_words: int, words_per_row: int) -> None:
+        self.slot_words, self.words_per_row = slot_words, words_per_row
+        self.state, self.slot, self.check, self.was_valid, self.row, self.addr = IDLE, 0, 0, 0, 0, 0
+        self.fifo: deque[tuple[int, int]] = deque()
+
+    @property
+    def armed(self) -> bool:
+        """A request waits or is being served."""
+        return self.state != IDLE
+
+    @property
+    def writing(self) -> bool:
+        """From frame start to finish."""
+        return self.state in (CHECK, WRITE, FINISH)
+
+    def edge(self, *, rst: int, arm: bool, cancel: bool, slot: int, busy: int, valid: int, word: int | None, last: int,
+             start: int, done: int, abort: int, pop: bool) -> tuple[bool, bool, bool]:
+        """Take the clock edge; returns whether the frame starts, its slot is given back, or it is finished."""
+        starts = self.state == ARMED and bool(start) and not arm and not cancel
+        restores = self.state == CHECK and self.check == 0 and bool(busy) and bool(self.was_valid)
+        finishes = self.state == FINISH and not self.fifo
+        push = word is not None and self.state == WRITE
+        entry = (self.addr, word or 0)
+        state, checked = self.state, self.check == 0
+        if state == ARMED:
+            self.check, self.was_valid = CHECK_CLOCKS - 1, valid
+            self.row = self.addr = self.slot * self.slot_words
+        else:
+            self.check = max(self.check - 1, 0)
+            if push:
+                if last:
+                    self.row += self.words_per_row
+                    self.addr = self.row
+                else:
+                    self.addr += 1
+        if rst or cancel:
+            self.state = IDLE
+        elif arm:
+            self.state = ARMED
+        elif state == ARMED:
+            self.state = CHECK if start else ARMED
+        elif state == CHECK:
+            if abort:
+                self.state = ARMED
+            elif checked:
+                self.state = ARMED if busy else WRITE
+        elif state == WRITE:
+            self.state = ARMED if abort else FINISH if done else WRITE
+        elif finishes:
+            self.state = IDLE
+        if arm:
+            self.slot = slot
+        if rst:
+            self.fifo.clear()
+        else:
+            if pop:
+                self.fifo.popleft()
+            if push:
+                self.fifo.append(entry)
+        return starts, restores, finishes
+
+
+class CaptureModel:
+    """Two (or one) channels, the valid bits, and camera 0 first into the store. Vectors are packed, camera 0 lowest."""
+
+    INPUTS = ("rst_i", "cmd_valid_i", "cmd_cancel_i", "cmd_camera_i", "cmd_slot_i", "clear_i", "slot_busy_i",
+              "word_valid_i", "word_data_i", "word_last_i", "frame_start_i", "frame_done_i", "frame_abort_i")
+    OUTPUTS = ("wr_valid_o", "wr_addr_o", "wr_data_o", "slot_valid_o", "armed_o", "writing_o", "refused_o", "done_o")
+
+    def __init__(self, cameras: int, group_bits: int, slots: int, slot_words: int, words_per_row: int) -> None:
+        self.cameras, self.group_bits, self.slots = cameras, group_bits, slots
+        self.channels = [ChannelModel(slot_words, words_per_row) for _ in range(cameras)]
+        self.slot_valid, self.refused, self.done = 0, 0, 0
+        self.write: tuple[int, int] | None = None
+
+    def outputs(self) -> dict[str, int | None]:
+        """Outputs of this clock: all come from registers."""
+        return {
+            "wr_valid_o": int(self.write is not None),
+            "wr_addr_o": self.write[0] if self.write else None,
+            "wr_data_o": self.write[1] if self.write else None,
+            "slot_valid_o": self.slot_valid,
+            "armed_o": sum(ch.armed << c for c, ch in enumerate(self.channels)),
+            "writing_o": sum(ch.writing << c for c, ch in enumerate(self.channels)),
+            "refused_o": self.refused,
+            "done_o": self.done,
+        }
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock, then the clock edge."""
+        out = self.outputs()
+        camera, slot = i["cmd_camera_i"], i["cmd_slot_i"]
+        taken = any(ch.writing if c == camera else ch.armed and ch.slot == slot
+                    for c, ch in enumerate(self.channels))
+        accept = slot < self.slots and camera < self.cameras and not taken
+        command, cancel = bool(i["cmd_valid_i"]), bool(i["cmd_cancel_i"])
+        pops = next((c for c, ch in enumerate(self.channels) if ch.fifo), None)
+        write = self.channels[pops].fifo[0] if pops is not None else None
+        valid, any_done = self.slot_valid, False
+        mask = (1 << self.group_bits) - 1
+        for c, ch in enumerate(self.channels):
+            held = ch.slot
+            starts, restores, finishes = ch.edge(
+                rst=i["rst_i"], arm=command and not cancel and camera == c and accept,
+                cancel=command and cancel and camera == c, slot=slot, busy=i["slot_busy_i"] >> held & 1,
+                valid=self.slot_valid >> held & 1,
+                word=(i["word_data_i"] >> c * self.group_bits) & mask if i["word_valid_i"] >> c & 1 else None,
+                last=i["word_last_i"] >> c & 1, start=i["frame_start_i"] >> c & 1, done=i["frame_done_i"] >> c & 1,
+                abort=i["frame_abort_i"] >> c & 1, pop=pops == c)
+            if starts:
+                valid &= ~(1 << held)
+            if restores or finishes:
+                valid |= 1 << held
+            any_done |= finishes
+        if i["rst_i"]:
+            self.slot_valid, self.refused, self.done, self.write = 0, 0, 0, None
+        else:
+            self.slot_valid = 0 if i["clear_i"] else valid
+            if command:
+                self.refused = int(not cancel and not accept)
+            self.done = int(any_done)
+            self.write = write
+        return out
