@@ -13,6 +13,13 @@ slog_job_plan.sv
 slog_fetch.sv
 slog_walker.sv
 slog_sequencer.sv
+slog_video_in.sv
+slog_line_buffer.sv
+slog_fir.sv
+slog_taps.sv
+slog_log.sv
+slog_packer.sv
+slog_frontend.sv
 slog_capture_channel.sv
 slog_capture.sv
 slog_filter_bank.sv

@@ -1,0 +1,126 @@
+// One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
+//
+// Latency    : 21 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
+//              first word of the row Radius lines above it: 111 for full, 45 for tiny.
+// Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
+// Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
+//              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
+// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out.
+module slog_frontend #(
+    parameter int unsigned MaxWidth  = 48,
+    parameter int unsigned Radius    = 8,
+    parameter int unsigned GroupBits = 8
+) (
+    input  logic                  clk_i,
+    input  logic                  rst_i,
+    input  logic [7:0]            tdata_i,
+    input  logic                  tvalid_i,
+    output logic                  tready_o,
+    input  logic                  tuser_i,
+    input  logic                  tlast_i,
+    input  logic [9:0]            width_i,
+    input  logic [9:0]            height_i,
+    input  logic [Radius:0][17:0] g_i,
+    input  logic [Radius:0][17:0] g2_i,
+    input  logic                  hold_i,
+    output logic                  busy_o,
+    output logic                  word_valid_o,
+    output logic [GroupBits-1:0]  word_data_o,
+    output logic                  word_last_o,
+    output logic                  frame_start_o,
+    output logic                  frame_done_o,
+    output logic                  frame_abort_o,
+    output logic                  accepted_o,
+    output logic                  dropped_o
+);
+  localparam int unsigned ColW  = $clog2(MaxWidth);
+  localparam int unsigned DistW = $clog2(Radius + 1);
+
+  logic             px_valid, px_first, px_last, px_out, px_bottom, px_live, px_start, px_done, px_abort;
+  logic [7:0]       px_data;
+  logic [ColW-1:0]  px_col;
+  logic [DistW-1:0] px_dist;
+  logic             bit_valid, bit_sign, bit_last, bit_start, bit_done, bit_abort;
+  logic             video_busy, log_busy;
+
+  slog_video_in #(
+      .MaxWidth(MaxWidth),
+      .Radius  (Radius)
+  ) u_video_in (
+      .clk_i,
+      .rst_i,
+      .tdata_i,
+      .tvalid_i,
+      .tready_o,
+      .tuser_i,
+      .tlast_i,
+      .width_i,
+      .height_i,
+      .hold_i,
+      .px_valid_o (px_valid),
+      .px_data_o  (px_data),
+      .px_col_o   (px_col),
+      .px_first_o (px_first),
+      .px_last_o  (px_last),
+      .px_out_o   (px_out),
+      .px_bottom_o(px_bottom),
+      .px_dist_o  (px_dist),
+      .px_live_o  (px_live),
+      .px_start_o (px_start),
+      .px_done_o  (px_done),
+      .px_abort_o (px_abort),
+      .accepted_o,
+      .dropped_o,
+      .busy_o     (video_busy)
+  );
+
+  slog_log #(
+      .MaxWidth(MaxWidth),
+      .Radius  (Radius)
+  ) u_log (
+      .clk_i,
+      .rst_i,
+      .g_i,
+      .g2_i,
+      .px_valid_i (px_valid),
+      .px_data_i  (px_data),
+      .px_col_i   (px_col),
+      .px_first_i (px_first),
+      .px_last_i  (px_last),
+      .px_out_i   (px_out),
+      .px_bottom_i(px_bottom),
+      .px_dist_i  (px_dist),
+      .px_live_i  (px_live),
+      .px_start_i (px_start),
+      .px_done_i  (px_done),
+      .px_abort_i (px_abort),
+      .bit_valid_o(bit_valid),
+      .bit_o      (bit_sign),
+      .bit_last_o (bit_last),
+      .bit_start_o(bit_start),
+      .bit_done_o (bit_done),
+      .bit_abort_o(bit_abort),
+      .busy_o     (log_busy)
+  );
+
+  slog_packer #(
+      .GroupBits(GroupBits)
+  ) u_packer (
+      .clk_i,
+      .rst_i,
+      .bit_valid_i(bit_valid),
+      .bit_i      (bit_sign),
+      .bit_last_i (bit_last),
+      .bit_start_i(bit_start),
+      .bit_done_i (bit_done),
+      .bit_abort_i(bit_abort),
+      .word_valid_o,
+      .word_data_o,
+      .word_last_o,
+      .frame_start_o,
+      .frame_done_o,
+      .frame_abort_o
+  );
+
+  assign busy_o = video_busy || log_busy || word_valid_o || frame_abort_o;
+endmodule : slog_frontend

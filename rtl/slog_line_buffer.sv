@@ -1,0 +1,113 @@
+// Keeps the last 2 * Radius lines and gives with every new pixel the column of 2 * Radius + 1 pixels it ends.
+//
+// window_o[i] is the pixel i lines above the newest; the output row's pixel is window_o[Radius]. edge_o is the pixel of
+// the image's border row in this column; beyond_old_o / beyond_new_o say which pixels lie past that row (bit d - 1:
+// distance d from the centre, on the older / newer side), to be replaced by it.
+//
+// Stages     : 1, 2 line memory read    3 edge: one of eight, in each bank    4 edge: one of the banks, window unpacked
+// Latency    : 4 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window.
+// Throughput : one pixel per clock; a column comes again after 3 clocks at the earliest.
+// Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
+`include "slog_assert.svh"
+module slog_line_buffer #(
+    parameter  int unsigned MaxWidth = 48,
+    parameter  int unsigned Radius   = 8,
+    localparam int unsigned Taps     = 2 * Radius + 1,
+    localparam int unsigned ColW     = $clog2(MaxWidth),
+    localparam int unsigned DistW    = $clog2(Radius + 1),
+    localparam int unsigned Latency  = 4
+) (
+    input  logic              clk_i,
+    input  logic              rst_i,
+    input  logic              valid_i,
+    input  logic [7:0]        px_i,
+    input  logic [ColW-1:0]   col_i,
+    input  logic              bottom_i,
+    input  logic [DistW-1:0]  dist_i,
+    output logic [7:0]        window_o[Taps],
+    output logic [7:0]        edge_o,
+    output logic [Radius-1:0] beyond_old_o,
+    output logic [Radius-1:0] beyond_new_o
+);
+  localparam int unsigned Banks = Radius / 4;  // 8 lines a bank: 64 bits, one simulator word
+  localparam int unsigned PosW  = $clog2(2 * Radius);
+
+  logic [Latency-2:0] valid_q;
+  logic [ColW-1:0]    col_q, col_q2;
+  logic [7:0]         px_q, px_q2, px_q3;
+  logic [PosW-1:0]    pos_q, pos_q2;
+  logic [Radius-1:0]  old_q, old_q2, old_q3, new_q, new_q2, new_q3;
+  logic [PosW-4:0]    bank_q3;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) valid_q <= '0;
+    else valid_q <= {valid_q[Latency-3:0], valid_i};
+  end
+
+  // The border row is never the newest line: numbered from the one before it, its line is Radius - 1 +- dist.
+  always_ff @(posedge clk_i) begin
+    if (valid_i) begin
+      col_q <= col_i;
+      px_q  <= px_i;
+      pos_q <= bottom_i ? PosW'(Radius - 1) - PosW'(dist_i) : PosW'(Radius - 1) + PosW'(dist_i);
+      old_q <= bottom_i ? '0 : {Radius{1'b1}} << dist_i;
+      new_q <= bottom_i ? {Radius{1'b1}} << dist_i : '0;
+    end
+    if (valid_q[0]) begin
+      col_q2 <= col_q;
+      px_q2  <= px_q;
+      pos_q2 <= pos_q;
+      old_q2 <= old_q;
+      new_q2 <= new_q;
+    end
+    if (valid_q[1]) begin
+      px_q3   <= px_q2;
+      bank_q3 <= pos_q2[PosW-1:3];
+      old_q3  <= old_q2;
+      new_q3  <= new_q2;
+    end
+    if (valid_q[2]) begin
+      edge_o       <= edge_q3[bank_q3];
+      beyond_old_o <= old_q3;
+      beyond_new_o <= new_q3;
+      window_o[0]  <= px_q3;
+    end
+  end
+
+  logic [7:0] edge_q3[Banks];
+  logic [7:0] newer[Banks+1];
+  assign newer[0] = px_q2;
+
+  for (genvar b = 0; b < Banks; b++) begin : g_bank
+    logic [63:0] lines, lines_q3;  // byte i: the pixel 8 b + i + 1 lines above the newest
+    assign newer[b+1] = lines[63:56];
+
+    slog_ram #(
+        .Width(64),
+        .Depth(MaxWidth)
+    ) u_lines (
+        .clk_i,
+        .wr_en_i  (valid_q[1]),
+        .wr_addr_i(col_q2),
+        .wr_data_i({lines[55:0], newer[b]}),
+        .rd_en_i  (valid_i),
+        .rd_addr_i(col_i),
+        .rd_data_o(lines)
+    );
+
+    always_ff @(posedge clk_i) begin
+      if (valid_q[1]) begin
+        lines_q3   <= lines;
+        edge_q3[b] <= lines[{pos_q2[2:0], 3'b000}+:8];
+      end
+    end
+
+    for (genvar i = 0; i < 8; i++) begin : g_line
+      always_ff @(posedge clk_i) begin
+        if (valid_q[2]) window_o[8*b+i+1] <= lines_q3[8*i+:8];
+      end
+    end
+  end
+
+  `SLOG_ASSERT_INIT(SlogLineBufferRadius, Radius >= 8 && (Radius & (Radius - 1)) == 0)
+endmodule : slog_line_buffer

@@ -1,0 +1,187 @@
+// Sign of the Laplacian of Gaussian of a raster of whole lines: wiring of the line buffer, the filters and the window.
+//
+// v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
+// past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
+//
+// Stages     : line buffer 4, vertical FIR 4 + L, window Radius + 3, horizontal FIR 4 + L, sum 1; L = clog2(Radius + 2)
+// Latency    : 16 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 42 at radius 16, 32 at radius 8.
+// Throughput : one pixel per clock, whole lines in consecutive clocks.
+// Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
+module slog_log #(
+    parameter  int unsigned MaxWidth = 48,
+    parameter  int unsigned Radius   = 8,
+    localparam int unsigned ColW     = $clog2(MaxWidth),
+    localparam int unsigned DistW    = $clog2(Radius + 1),
+    localparam int unsigned Levels   = $clog2(Radius + 2),
+    localparam int unsigned Latency  = 16 + Radius + 2 * Levels
+) (
+    input  logic                  clk_i,
+    input  logic                  rst_i,
+    input  logic [Radius:0][17:0] g_i,
+    input  logic [Radius:0][17:0] g2_i,
+    input  logic                  px_valid_i,
+    input  logic [7:0]            px_data_i,
+    input  logic [ColW-1:0]       px_col_i,
+    input  logic                  px_first_i,
+    input  logic                  px_last_i,
+    input  logic                  px_out_i,
+    input  logic                  px_bottom_i,
+    input  logic [DistW-1:0]      px_dist_i,
+    input  logic                  px_live_i,
+    input  logic                  px_start_i,
+    input  logic                  px_done_i,
+    input  logic                  px_abort_i,
+    output logic                  bit_valid_o,
+    output logic                  bit_o,
+    output logic                  bit_last_o,   // last of its row
+    output logic                  bit_start_o,  // first of its frame
+    output logic                  bit_done_o,   // last of its frame
+    output logic                  bit_abort_o,
+    output logic                  busy_o
+);
+  localparam int unsigned FirLatency = 4 + Levels;
+  localparam int unsigned ToVertical = 4;
+  localparam int unsigned ToTaps     = ToVertical + FirLatency;
+  localparam int unsigned SumV       = 25;
+  localparam int unsigned SumH       = 36;
+
+  // What goes along with the pixels. [k]: k + 1 clocks after px_*.
+  logic [ToTaps-1:0]  out_q, first_q;
+  logic [Latency-1:0] last_q, live_q, start_q, done_q, abort_q;
+
+  always_ff @(posedge clk_i) begin
+    first_q <= {first_q[ToTaps-2:0], px_first_i};
+    last_q  <= {last_q[Latency-2:0], px_last_i};
+    if (rst_i) begin
+      out_q   <= '0;
+      live_q  <= '0;
+      start_q <= '0;
+      done_q  <= '0;
+      abort_q <= '0;
+    end else begin
+      out_q   <= {out_q[ToTaps-2:0], px_valid_i && px_out_i};
+      live_q  <= {live_q[Latency-2:0], px_live_i};
+      start_q <= {start_q[Latency-2:0], px_start_i};
+      done_q  <= {done_q[Latency-2:0], px_done_i};
+      abort_q <= {abort_q[Latency-2:0], px_abort_i};
+    end
+  end
+
+  logic [7:0]        column[2*Radius+1];
+  logic [7:0]        column_edge;
+  logic [Radius-1:0] column_old, column_new;
+  slog_line_buffer #(
+      .MaxWidth(MaxWidth),
+      .Radius  (Radius)
+  ) u_lines (
+      .clk_i,
+      .rst_i,
+      .valid_i     (px_valid_i),
+      .px_i        (px_data_i),
+      .col_i       (px_col_i),
+      .bottom_i    (px_bottom_i),
+      .dist_i      (px_dist_i),
+      .window_o    (column),
+      .edge_o      (column_edge),
+      .beyond_old_o(column_old),
+      .beyond_new_o(column_new)
+  );
+
+  logic [SumV-1:0] vertical[2];
+  logic [16:0]     values[2];
+  slog_fir #(
+      .Radius (Radius),
+      .DataW  (8),
+      .Signed (1'b0),
+      .Kernels(2),
+      .SumW   (SumV),
+      .Bias   (64)
+  ) u_vertical (
+      .clk_i,
+      .rst_i,
+      .valid_i     (out_q[ToVertical-1]),
+      .window_i    (column),
+      .edge_i      (column_edge),
+      .beyond_old_i(column_old),
+      .beyond_new_i(column_new),
+      .coef_i      ({g2_i, g_i}),
+      .sum_o       (vertical)
+  );
+  assign values[0] = vertical[0][7+:17];
+  assign values[1] = vertical[1][7+:17];
+
+  logic              row_valid;
+  logic [16:0]       row[2][2*Radius+1];
+  logic [16:0]       row_edge[2];
+  logic [Radius-1:0] row_old, row_new;
+  slog_taps #(
+      .Radius(Radius),
+      .DataW (17)
+  ) u_taps (
+      .clk_i,
+      .rst_i,
+      .valid_i     (out_q[ToTaps-1]),
+      .first_i     (first_q[ToTaps-1]),
+      .last_i      (last_q[ToTaps-1]),
+      .data_i      (values),
+      .valid_o     (row_valid),
+      .window_o    (row),
+      .edge_o      (row_edge),
+      .beyond_old_o(row_old),
+      .beyond_new_o(row_new)
+  );
+
+  // The bias -1 turns "sum > 0" into "sum - 1 >= 0", which is the sum's sign bit.
+  logic [SumH-1:0] curved[1], smooth[1];
+  slog_fir #(
+      .Radius (Radius),
+      .DataW  (17),
+      .Signed (1'b1),
+      .Kernels(1),
+      .SumW   (SumH),
+      .Bias   (-1)
+  ) u_curved (
+      .clk_i,
+      .rst_i,
+      .valid_i     (row_valid),
+      .window_i    (row[0]),
+      .edge_i      (row_edge[0]),
+      .beyond_old_i(row_old),
+      .beyond_new_i(row_new),
+      .coef_i      (g2_i),
+      .sum_o       (curved)
+  );
+  slog_fir #(
+      .Radius (Radius),
+      .DataW  (17),
+      .Signed (1'b1),
+      .Kernels(1),
+      .SumW   (SumH),
+      .Bias   (0)
+  ) u_smooth (
+      .clk_i,
+      .rst_i,
+      .valid_i     (row_valid),
+      .window_i    (row[1]),
+      .edge_i      (row_edge[1]),
+      .beyond_old_i(row_old),
+      .beyond_new_i(row_new),
+      .coef_i      (g_i),
+      .sum_o       (smooth)
+  );
+
+  logic            bit_q;
+  logic [SumH-1:0] response_less_1;
+  assign response_less_1 = curved[0] + smooth[0];
+  always_ff @(posedge clk_i) begin
+    if (live_q[Latency-2]) bit_q <= !response_less_1[SumH-1];
+  end
+
+  assign bit_o       = bit_q;
+  assign bit_valid_o = live_q[Latency-1];
+  assign bit_last_o  = last_q[Latency-1];
+  assign bit_start_o = start_q[Latency-1];
+  assign bit_done_o  = done_q[Latency-1];
+  assign bit_abort_o = abort_q[Latency-1];
+  assign busy_o      = out_q != '0 || live_q != '0 || abort_q != '0;
+endmodule : slog_log
