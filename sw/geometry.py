@@ -1,0 +1,164 @@
+"""Similarities of the plane: turn, zoom and shift, and their robust least-squares fit to pairs of points.
+
+Pixels, x to the right and y down, so a positive rotation is clockwise on the screen. Points are float64 arrays (...,
+2).
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Similarity:
+    """q = factor * p + shift, in complex numbers x + iy: |factor| is the zoom, its angle the rotation."""
+
+    factor: complex = 1 + 0j
+    shift: complex = 0j
+
+    @classmethod
+    def of(cls, rot_deg: float = 0.0, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> Similarity:
+        """From a rotation in degrees, a zoom and a shift in pixels."""
+        return cls(cmath.rect(scale, math.radians(rot_deg)), complex(*shift))
+
+    @property
+    def rot_deg(self) -> float:
+        """Rotation, degrees, -180..180."""
+        return math.degrees(cmath.phase(self.factor))
+
+    @property
+    def scale(self) -> float:
+        """Zoom, above 0."""
+        return abs(self.factor)
+
+    @property
+    def inverse(self) -> Similarity:
+        """The way back."""
+        return Similarity(1 / self.factor, -self.shift / self.factor)
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """2x3, as OpenCV's warps take it."""
+        a, t = self.factor, self.shift
+        return np.array([[a.real, -a.imag, t.real], [a.imag, a.real, t.imag]])
+
+    def __call__(self, points: Points) -> Points:
+        """Points moved."""
+        return _points(self.factor * _complex(points) + self.shift)
+
+    def __matmul__(self, first: Similarity) -> Similarity:
+        """`self @ first`: first the right one, then the left one."""
+        return Similarity(self.factor * first.factor, self.factor * first.shift + self.shift)
+
+
+IDENTITY = Similarity()
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """A robust fit.
+
+    Attributes:
+        similarity: p -> q.
+        agree: bool (n,), the pairs within the tolerance.
+        rms_px: of their residuals, (x, y) together.
+        turning: whether rotation and zoom are fitted, or left at none because the points could not bear it.
+    """
+
+    similarity: Similarity
+    agree: NDArray[np.bool_]
+    rms_px: float
+    turning: bool
+
+
+def vote(
+    p: Points,
+    q: Points,
+    tolerance: float,
+    max_rot_deg: float,
+    max_zoom: float,
+    apart: float,
+) -> tuple[Similarity, NDArray[np.bool_]]:
+    """The similarity most pairs agree on: every shift by one pair and every similarity by two pairs is tried.
+
+    Args:
+        p, q: (n, 2) points and where they were found, n >= 1; most may be wrong.
+        tolerance: pixels by which an agreeing pair may miss.
+        max_rot_deg, max_zoom: bounds of what is tried; zoom between 1/max_zoom and max_zoom.
+        apart: least distance of two points that define a similarity, pixels.
+
+    Returns:
+        The similarity and which pairs agree, bool (n,). Of equal votes a pure shift wins, then the first.
+    """
+    a, b = _complex(p), _complex(q)
+    i, j = np.triu_indices(len(a), 1)
+    far = np.abs(a[i] - a[j]) >= apart
+    i, j = i[far], j[far]
+    factors = (b[i] - b[j]) / (a[i] - a[j])
+    zoom = np.abs(factors)
+    sane = (zoom <= max_zoom) & (zoom * max_zoom >= 1) & (np.abs(np.angle(factors)) <= math.radians(max_rot_deg))
+    i, factors = i[sane], factors[sane]
+    factors = np.concatenate([np.ones(len(a), complex), factors])
+    shifts = np.concatenate([b - a, b[i] - factors[len(a) :] * a[i]])
+    agree = np.abs(factors[:, None] * a + shifts[:, None] - b) <= tolerance
+    best = int(np.argmax(agree.sum(axis=1)))
+    return Similarity(complex(factors[best]), complex(shifts[best])), agree[best]
+
+
+def fit(p: Points, q: Points, start: Similarity, tolerance: float, max_rot_error_deg: float = 1.0) -> FitResult:
+    """Least squares with Tukey weights from a good start, agreeing pairs chosen anew each round.
+
+    Rotation and zoom are fitted where the agreeing points lie far enough apart for the rotation's standard error to
+    stay below `max_rot_error_deg`; else only the shift is, with the start's rotation and zoom dropped.
+
+    Args:
+        p, q: (n, 2) pixels.
+        start: roughly right.
+        tolerance: pixels at which a pair's weight reaches zero.
+    """
+    a, b = _complex(p), _complex(q)
+    found, turning, rms = start, True, 0.0
+    agree = np.abs(found.factor * a + found.shift - b) <= tolerance
+    for turn in (True, False):
+        found = start
+        if not turn and agree.any():
+            found = Similarity(1 + 0j, complex(np.median((b - a)[agree].real), np.median((b - a)[agree].imag)))
+        for _ in range(8):
+            residual = np.abs(found.factor * a + found.shift - b)
+            agree = residual <= tolerance
+            if agree.sum() < 2:
+                break
+            weight = np.where(agree, (1 - (residual / tolerance) ** 2) ** 2 + 1e-9, 0.0)
+            found = _solve(a, b, weight, turn)
+        rms = math.sqrt(float(np.mean(residual[agree] ** 2))) if agree.any() else 0.0
+        turning = turn
+        if turn and agree.sum() >= 3:
+            spread = math.sqrt(float(np.sum(np.abs(a[agree] - a[agree].mean()) ** 2)))
+            if spread > 0 and math.degrees(max(rms, 0.5) / spread) <= max_rot_error_deg:
+                break
+    return FitResult(found, agree, rms, turning)
+
+
+def _solve(a: NDArray[np.complex128], b: NDArray[np.complex128], weight: NDArray[np.float64], turn: bool) -> Similarity:
+    weight = weight / weight.sum()
+    ca, cb = complex(weight @ a), complex(weight @ b)
+    if not turn:
+        return Similarity(1 + 0j, cb - ca)
+    power = float(weight @ np.abs(a - ca) ** 2)
+    factor = complex(weight @ (np.conj(a - ca) * (b - cb))) / power if power > 0 else 1 + 0j
+    return Similarity(factor, cb - factor * ca)
+
+
+def _complex(points: Points) -> NDArray[np.complex128]:
+    return np.asarray(points[..., 0] + 1j * points[..., 1], np.complex128)
+
+
+def _points(values: NDArray[np.complex128]) -> Points:
+    return np.stack([values.real, values.imag], axis=-1)
