@@ -1,0 +1,100 @@
+// Gathers a job's neighbours and runner-up as its scans go by.
+//
+// runner-up after a row = max(other, fresh ? far : runner-up before), with the row's outcome_t.
+//
+// Neighbours leave one clock after the job's last column; the verdict two clocks after the last far_valid_i:
+//   0  far_valid_i: compare      1  select      2  verdict_valid_o
+// Throughput : a row in two clocks, columns one per clock. Never stalls: its user keeps room for both outputs.
+// Formats    : absent scores leave as NoScore.
+`include "slog_assert.svh"
+module slog_peak_collect
+  import slog_pkg::*;
+  import slog_peak_pkg::*;
+(
+    input  logic                   clk_i,
+    input  logic                   rst_i,
+    // Columns of slog_peak_scan.
+    input  logic                   near_valid_i,
+    input  logic                   near_first_i,
+    input  logic                   near_end_i,
+    input  logic                   near_west_i,
+    input  logic                   near_centre_i,
+    input  logic                   near_east_i,
+    input  maybe_t                 near_above_i,
+    input  maybe_t                 near_middle_i,
+    input  maybe_t                 near_below_i,
+    // Rows: outcome_i is the row's that far_valid_i ends.
+    input  logic                   far_valid_i,
+    input  maybe_t                 far_i,
+    input  outcome_t               outcome_i,
+    output logic                   around_valid_o,
+    output logic [7:0][ScoreW-1:0] around_o,      // NW N NE W E SW S SE, [0] is NW
+    output logic                   verdict_valid_o,
+    output verdict_t               verdict_o
+);
+  maybe_t around_q[8];
+  logic around_end_q;
+
+  // A place is absent from the first column on until its column goes by.
+  function automatic maybe_t next_around(maybe_t held, logic hit, maybe_t value, logic first);
+    return hit ? value : first ? '0 : held;
+  endfunction
+
+  always_ff @(posedge clk_i) begin
+    if (near_valid_i) begin
+      around_q[0] <= next_around(around_q[0], near_west_i, near_above_i, near_first_i);
+      around_q[1] <= next_around(around_q[1], near_centre_i, near_above_i, near_first_i);
+      around_q[2] <= next_around(around_q[2], near_east_i, near_above_i, near_first_i);
+      around_q[3] <= next_around(around_q[3], near_west_i, near_middle_i, near_first_i);
+      around_q[4] <= next_around(around_q[4], near_east_i, near_middle_i, near_first_i);
+      around_q[5] <= next_around(around_q[5], near_west_i, near_below_i, near_first_i);
+      around_q[6] <= next_around(around_q[6], near_centre_i, near_below_i, near_first_i);
+      around_q[7] <= next_around(around_q[7], near_east_i, near_below_i, near_first_i);
+    end
+  end
+
+  always_comb begin
+    for (int i = 0; i < 8; i++) around_o[i] = or_no_score(around_q[i]);
+  end
+
+  logic s1_valid_q, s2_valid_q, s1_other_beats_far_q, s1_other_beats_held_q;
+  maybe_t s1_far_q, runner_up_q;
+  outcome_t s1_outcome_q;
+  verdict_t s2_verdict_q;  // all but the runner-up
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      around_end_q <= 1'b0;
+      s1_valid_q   <= 1'b0;
+      s2_valid_q   <= 1'b0;
+    end else begin
+      around_end_q <= near_end_i;
+      s1_valid_q   <= far_valid_i;
+      s2_valid_q   <= s1_valid_q && s1_outcome_q.last;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (far_valid_i) begin
+      s1_outcome_q          <= outcome_i;
+      s1_far_q              <= far_i;
+      s1_other_beats_far_q  <= outcome_i.other > far_i;
+      s1_other_beats_held_q <= outcome_i.other > runner_up_q;
+    end
+    if (s1_valid_q) begin
+      s2_verdict_q <= '{tag: s1_outcome_q.tag, status: s1_outcome_q.status, best_x: s1_outcome_q.best_x,
+                        best_y: s1_outcome_q.best_y, score: or_no_score(s1_outcome_q.score), runner_up: '0};
+      if (s1_outcome_q.fresh) runner_up_q <= s1_other_beats_far_q ? s1_outcome_q.other : s1_far_q;
+      else if (s1_other_beats_held_q) runner_up_q <= s1_outcome_q.other;
+    end
+  end
+
+  assign around_valid_o  = around_end_q;
+  assign verdict_valid_o = s2_valid_q;
+  always_comb begin
+    verdict_o           = s2_verdict_q;
+    verdict_o.runner_up = or_no_score(runner_up_q);
+  end
+
+  `SLOG_ASSERT(SlogPeakCollectSpacing, !(far_valid_i && s1_valid_q))
+endmodule : slog_peak_collect

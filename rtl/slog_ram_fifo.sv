@@ -1,0 +1,82 @@
+// First-in first-out queue in block RAM, with a short register queue behind the RAM's output register.
+//
+// Latency    : a word pushed in clock t is offered in clock t+4 at the earliest (pointer, RAM read, output register, queue).
+// Throughput : one push and one pop per clock, also when full (a pop frees its place in the next clock).
+// Formats    : opaque words of Width bits; level_o counts the words held anywhere inside, 0..Depth.
+`include "slog_assert.svh"
+module slog_ram_fifo #(
+    parameter  int unsigned Width  = 8,
+    parameter  int unsigned Depth  = 16,
+    localparam int unsigned LevelW = $clog2(Depth + 1)
+) (
+    input  logic              clk_i,
+    input  logic              rst_i,
+    input  logic              in_valid_i,
+    output logic              in_ready_o,
+    input  logic [Width-1:0]  in_data_i,
+    output logic              out_valid_o,
+    input  logic              out_ready_i,
+    output logic [Width-1:0]  out_data_o,
+    output logic [LevelW-1:0] level_o
+);
+  `SLOG_ASSERT_INIT(SlogRamFifoDepth, Depth >= 2)
+  localparam int unsigned AddrW = $clog2(Depth);
+  localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
+  // One word per clock needs as many places behind the RAM as clocks from a read to the pop that returns its place.
+  localparam int unsigned OutDepth = 4;
+  localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
+
+  logic [AddrW-1:0] head_q, tail_q;
+  logic [LevelW-1:0] level_q;   // words inside
+  logic [LevelW-1:0] stored_q;  // words in the RAM not asked for yet
+  logic [OutLevelW-1:0] free_q;  // places of the output queue not spoken for
+  logic full_q, some_q;          // level_q == Depth; stored_q != 0
+  logic read_q, read_q2;         // a word is on its way
+  logic push, pop, read;
+  logic [Width-1:0] ram_data;
+
+  assign in_ready_o = !full_q;
+  assign level_o    = level_q;
+  assign push       = in_valid_i && !full_q;
+  assign pop        = out_valid_o && out_ready_i;
+  assign read       = some_q && free_q != '0;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      head_q   <= '0;
+      tail_q   <= '0;
+      level_q  <= '0;
+      stored_q <= '0;
+      free_q   <= OutLevelW'(OutDepth);
+      full_q   <= 1'b0;
+      some_q   <= 1'b0;
+      read_q   <= 1'b0;
+      read_q2  <= 1'b0;
+    end else begin
+      if (push) tail_q <= (tail_q == Last) ? '0 : tail_q + 1'b1;
+      if (read) head_q <= (head_q == Last) ? '0 : head_q + 1'b1;
+      level_q  <= level_q + LevelW'(push) - LevelW'(pop);
+      stored_q <= stored_q + LevelW'(push) - LevelW'(read);
+      free_q   <= free_q + OutLevelW'(pop) - OutLevelW'(read);
+      full_q   <= !pop && (full_q || (push && level_q == LevelW'(Depth - 1)));
+      some_q   <= push || stored_q > LevelW'(1) || (some_q && !read);
+      read_q   <= read;
+      read_q2  <= read_q;
+    end
+  end
+
+  slog_ram #(.Width(Width), .Depth(Depth)) u_ram (
+      .clk_i, .wr_en_i(push), .wr_addr_i(tail_q), .wr_data_i(in_data_i),
+      .rd_en_i(read), .rd_addr_i(head_q), .rd_data_o(ram_data));
+
+  logic out_room;
+  logic [OutLevelW-1:0] out_level;
+  slog_fifo #(.Width(Width), .Depth(OutDepth)) u_out (
+      .clk_i, .rst_i, .in_valid_i(read_q2), .in_ready_o(out_room), .in_data_i(ram_data),
+      .out_valid_o, .out_ready_i, .out_data_o, .level_o(out_level));
+
+  `SLOG_ASSERT(SlogRamFifoOutHasRoom, !read_q2 || out_room)
+  `SLOG_ASSERT(SlogRamFifoPlaces,
+               32'(free_q) + 32'(out_level) + 32'(read_q) + 32'(read_q2) == OutDepth)
+  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (stored_q != '0))
+endmodule : slog_ram_fifo
