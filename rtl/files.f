@@ -1,4 +1,5 @@
 slog_pkg.sv
+slog_peak_pkg.sv
 slog_store_pkg.sv
 slog_fetch_pkg.sv
 gen/{config}/slog_cfg_pkg.sv
@@ -13,6 +14,16 @@ slog_job_plan.sv
 slog_fetch.sv
 slog_walker.sv
 slog_sequencer.sv
+slog_ram_fifo.sv
+slog_running_max.sv
+slog_peak_room.sv
+slog_peak_rows.sv
+slog_peak_intake.sv
+slog_peak_best.sv
+slog_peak_scan.sv
+slog_peak_collect.sv
+slog_peak.sv
+slog_grid.sv
 slog_video_in.sv
 slog_line_buffer.sv
 slog_fir.sv
