@@ -90,7 +90,7 @@ def simulate(
             runner.build(sources=[WAIVERS, visible, *files], hdl_toplevel=top, parameters=params, defines=macros,
                          build_args=build_args, build_dir=build_dir, waves=False, always=not stamp.exists(),
                          timescale=("1ns", "1ps"), log_file=build_dir / "build.log")
-        except SystemExit as error:
+        except (SystemExit, RuntimeError) as error:
             raise AssertionError(f"{top} does not build\n{_tail(build_dir / 'build.log')}") from error
         _keep_library(build_dir)
         stamp.touch()
@@ -107,7 +107,7 @@ def simulate(
             extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params),
                        **(env or {})},
             log_file=log)
-    except SystemExit as error:
+    except (SystemExit, RuntimeError) as error:
         raise AssertionError(f"{test_module} failed (SEED={seed})\n{_tail(log)}") from error
     count, failed = get_results(results)
     assert count, f"{test_module}: no test ran\n{_tail(log)}"

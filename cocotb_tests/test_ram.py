@@ -1,0 +1,18 @@
+"""`slog_ram`, and its twin on ECP5 block RAMs, against one cycle model on every clock."""
+
+import pytest
+
+from sim.runner import simulate
+
+GENERIC = ["rtl/slog_ram.sv"]
+ECP5 = ["sim/ecp5/cells.sv", "rtl/ecp5/slog_ecp5_bram.sv", "rtl/ecp5/slog_ram.sv"]
+
+
+@pytest.mark.parametrize(("width", "depth"), [(8, 16), (65, 640)])
+def test_generic(width: int, depth: int) -> None:
+    simulate("slog_ram", GENERIC, "cocotb_tests.tb_ram", {"Width": width, "Depth": depth})
+
+
+@pytest.mark.parametrize(("width", "depth"), [(64, 512), (37, 20), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)])
+def test_ecp5(width: int, depth: int) -> None:
+    simulate("slog_ram", ECP5, "cocotb_tests.tb_ram", {"Width": width, "Depth": depth})
