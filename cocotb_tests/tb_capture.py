@@ -10,7 +10,7 @@ from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle_capture import CaptureModel
 
-CLOCKS = 4000
+CLOCKS = 3000
 
 
 @dataclass
@@ -46,7 +46,7 @@ def camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) ->
         yield Wire(start=1)
         total = rows * words
         stop = rng.randrange(total) if rng.random() < 0.25 else None
-        for _ in range(8 if tight else rng.randrange(8, 20)):
+        for _ in range(6 if tight else rng.randrange(6, 20)):
             yield Wire(data=rng.getrandbits(bits))
         for k in range(total):
             if k == stop:

@@ -147,7 +147,7 @@ module slog_control
       .clk_i,
       .rst_i,
       .go_i     (hwif_out.peek_address.go.value),
-      .address_i(hwif_out.peek_address.address.value),
+      .address_i(hwif_out.peek_address.word.value),
       .request_i(hwif_out.peek_data.req && !hwif_out.peek_data.req_is_wr),
       .answer_o (peek_answer),
       .data_o   (peek_data),

@@ -537,7 +537,7 @@ module slog_csr (
             struct {
                 logic [23:0] next;
                 logic load_next;
-            } address;
+            } word;
             struct {
                 logic next;
                 logic load_next;
@@ -697,7 +697,7 @@ module slog_csr (
         struct {
             struct {
                 logic [23:0] value;
-            } address;
+            } word;
             struct {
                 logic value;
             } go;
@@ -1412,29 +1412,29 @@ module slog_csr (
         end
     end
     assign hwif_out.result.pop.go.value = field_storage.result.pop.go.value;
-    // Field: slog_csr.peek_address.address
+    // Field: slog_csr.peek_address.word
     always_comb begin
         automatic logic [23:0] next_c;
         automatic logic load_next_c;
-        next_c = field_storage.peek_address.address.value;
+        next_c = field_storage.peek_address.word.value;
         load_next_c = '0;
         if(decoded_reg_strb.peek_address && decoded_req_is_wr) begin // SW write
-            next_c = (field_storage.peek_address.address.value & ~decoded_wr_biten[23:0]) | (decoded_wr_data[23:0] & decoded_wr_biten[23:0]);
+            next_c = (field_storage.peek_address.word.value & ~decoded_wr_biten[23:0]) | (decoded_wr_data[23:0] & decoded_wr_biten[23:0]);
             load_next_c = '1;
         end
-        field_combo.peek_address.address.next = next_c;
-        field_combo.peek_address.address.load_next = load_next_c;
+        field_combo.peek_address.word.next = next_c;
+        field_combo.peek_address.word.load_next = load_next_c;
     end
     always_ff @(posedge clk) begin
         if(rst) begin
-            field_storage.peek_address.address.value <= 24'h0;
+            field_storage.peek_address.word.value <= 24'h0;
         end else begin
-            if(field_combo.peek_address.address.load_next) begin
-                field_storage.peek_address.address.value <= field_combo.peek_address.address.next;
+            if(field_combo.peek_address.word.load_next) begin
+                field_storage.peek_address.word.value <= field_combo.peek_address.word.next;
             end
         end
     end
-    assign hwif_out.peek_address.address.value = field_storage.peek_address.address.value;
+    assign hwif_out.peek_address.word.value = field_storage.peek_address.word.value;
     // Field: slog_csr.peek_address.go
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1815,7 +1815,7 @@ module slog_csr (
             end
         end
         if(ad_low(rd_mux_addr) == ad_low(8'h80)) begin
-            readback_data_var[ad_hi(8'h80)][23:0] = field_storage.peek_address.address.value;
+            readback_data_var[ad_hi(8'h80)][23:0] = field_storage.peek_address.word.value;
         end
         if(ad_low(rd_mux_addr) == ad_low(8'h84)) begin
             readback_data_var[ad_hi(8'h84)] = hwif_in.peek_data.rd_data;

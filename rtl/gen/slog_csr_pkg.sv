@@ -566,14 +566,14 @@ package slog_csr_pkg;
 
     typedef struct {
         logic [23:0] value;
-    } slog_csr__peek_address__address__out_t;
+    } slog_csr__peek_address__word__out_t;
 
     typedef struct {
         logic value;
     } slog_csr__peek_address__go__out_t;
 
     typedef struct {
-        slog_csr__peek_address__address__out_t address;
+        slog_csr__peek_address__word__out_t word;
         slog_csr__peek_address__go__out_t go;
     } slog_csr__peek_address__out_t;
 

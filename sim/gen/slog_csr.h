@@ -323,10 +323,10 @@ typedef struct __attribute__ ((__packed__)) {
 } slog_csr__result_t;
 
 // reg - slog_csr::peek_address
-#define SLOG_CSR__PEEK_ADDRESS__ADDRESS_bm 0xffffff
-#define SLOG_CSR__PEEK_ADDRESS__ADDRESS_bp 0
-#define SLOG_CSR__PEEK_ADDRESS__ADDRESS_bw 24
-#define SLOG_CSR__PEEK_ADDRESS__ADDRESS_reset 0x0
+#define SLOG_CSR__PEEK_ADDRESS__WORD_bm 0xffffff
+#define SLOG_CSR__PEEK_ADDRESS__WORD_bp 0
+#define SLOG_CSR__PEEK_ADDRESS__WORD_bw 24
+#define SLOG_CSR__PEEK_ADDRESS__WORD_reset 0x0
 #define SLOG_CSR__PEEK_ADDRESS__GO_bm 0x80000000
 #define SLOG_CSR__PEEK_ADDRESS__GO_bp 31
 #define SLOG_CSR__PEEK_ADDRESS__GO_bw 1

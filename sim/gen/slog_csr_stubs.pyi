@@ -341,14 +341,14 @@ class slog_csr_Group(RALGroup):
         neighbour: list[neighbour_Reg]
     class peek_address_Reg(RALRegister):
         class peek_address_RV(RegValue):
-            address: int
+            word: int
             go: int
         def read_fields(self) -> peek_address_RV: ...
         @contextmanager
         def write_fields(self) -> Iterator[peek_address_RV]: ...
         @contextmanager
         def change_fields(self) -> Iterator[peek_address_RV]: ...
-        address: RALField
+        word: RALField
         go: RALField
     class peek_data_Reg(RALRegister):
         class peek_data_RV(RegValue):

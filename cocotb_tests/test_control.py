@@ -1,0 +1,15 @@
+"""`slog_control` and the generated registers: against their cycle model on every clock, and field by field over AXI4-Lite."""
+
+from sim.runner import simulate
+
+SOURCES = ["rtl/slog_pkg.sv", "rtl/gen/tiny/slog_cfg_pkg.sv", "rtl/gen/slog_csr_pkg.sv", "rtl/gen/slog_csr.sv",
+           "rtl/slog_filter_bank.sv", "rtl/slog_peek.sv", "rtl/slog_counters.sv", "rtl/slog_control.sv"]
+PORTS = ("*_i", "*_o", "s_axil_*")
+
+
+def test_control() -> None:
+    simulate("slog_control", SOURCES, "cocotb_tests.tb_control", ports=PORTS)
+
+
+def test_registers() -> None:
+    simulate("slog_control", SOURCES, "cocotb_tests.tb_registers", ports=PORTS)

@@ -1,0 +1,235 @@
+"""Cycle models of `slog_control` and its parts: coefficient bank, peek port, counters, registers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from golden.cycle_csr import CsrModel, FieldPlace
+from golden.params import COEF_BITS, COEF_FRACTION, Config
+
+SETTLE = 8
+STORED = {
+    "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
+    "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
+    "job.window.width": 0, "job.window.height": 0, "job.search.x": 0, "job.search.y": 0, "job.search.slot": 0,
+    "job.offsets.across": 0, "job.offsets.down": 0, "job.grid.across": 1, "job.grid.down": 1, "job.step.x": 0,
+    "job.step.y": 0, "job.submit.tag": 0, "job.submit.surface": 0, "peek_address.word": 0,
+    "irq_enable.result": 0, "irq_enable.capture": 0, "irq_enable.drop": 0, "irq_enable.overflow": 0,
+}
+EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
+JOB_LAYOUT = (("tag", 16), ("surface", 1), ("tpl_slot", 3), ("tpl_x", 10), ("tpl_y", 10), ("width", 8), ("height", 8),
+              ("search_slot", 3), ("search_x", 10), ("search_y", 10), ("offsets_x", 10), ("offsets_y", 10))
+"""`job_t`, most significant first."""
+RESULT_LAYOUT = (("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10), ("score", 15),
+                 *((f"neighbour{k}", 15) for k in reversed(range(8))), ("runner_up", 15))
+"""`result_t`, most significant first."""
+
+
+def pack(layout: tuple[tuple[str, int], ...], values: Mapping[str, int]) -> int:
+    """A packed struct as an integer."""
+    word = 0
+    for name, width in layout:
+        word = word << width | values[name]
+    return word
+
+
+def unpack(layout: tuple[tuple[str, int], ...], word: int) -> dict[str, int]:
+    """The members of a packed struct."""
+    values = {}
+    for name, width in reversed(layout):
+        values[name] = word & (1 << width) - 1
+        word >>= width
+    return values
+
+
+class FilterBankModel:
+    """`slog_filter_bank`: coefficients as lists, centre first."""
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.reset()
+
+    def reset(self) -> None:
+        """State after reset."""
+        zeros = [0] * self.config.coefs
+        self.staged = {0: list(zeros), 1: list(zeros)}
+        self.active = {0: list(zeros), 1: list(zeros)}
+        self.settle, self.busy, self.error, self.changed = 0, 0, 0, 0
+        self.size = (self.config.max_width, self.config.max_height)
+
+    def coefs(self, second: int) -> int:
+        """The packed active coefficients."""
+        return sum(v << COEF_BITS * k for k, v in enumerate(self.active[second]))
+
+    def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
+             active: int) -> None:
+        """Take the clock edge."""
+        c = self.config
+        apply = self.busy and self.settle == SETTLE and not active
+        self.changed = 0
+        staged = {k: list(v) for k, v in self.staged.items()} if apply else None
+        if coef and index < c.coefs:
+            self.staged[second][index] = value
+        self.settle = 0 if not self.busy or active else min(self.settle + 1, SETTLE)
+        if apply:
+            assert staged is not None
+            self.busy, self.active = int(commit), staged
+            good = c.min_image <= size[0] <= c.max_width and c.min_image <= size[1] <= c.max_height
+            self.error = int(not good)
+            if good:
+                self.changed, self.size = int(size != self.size), size
+        elif commit:
+            self.busy = 1
+
+
+class PeekModel:
+    """`slog_peek`."""
+
+    def __init__(self, group_bits: int, store_words: int) -> None:
+        self.store_words, self.chunks = store_words, -(-group_bits // 32)
+        self.reset()
+
+    def reset(self) -> None:
+        """State after reset."""
+        self.want = self.flight = self.drop = self.have = self.waiting = self.answer = False
+        self.word, self.chunk, self.address, self.data = 0, 0, 0, 0
+
+    @property
+    def valid(self) -> bool:
+        """A word is asked for."""
+        return self.want and self.address < self.store_words and not self.flight
+
+    def edge(self, *, go: int, address: int, request: bool, ready: int, done: int, data: int) -> None:
+        """Take the clock edge."""
+        valid, want, flight, have = self.valid, self.want, self.flight, self.have
+        outside = want and self.address >= self.store_words and not flight
+        pending = request or self.waiting
+        answer = pending and (have or not (want or flight or have)) and not go
+        turn = answer and have and self.chunk == self.chunks - 1
+        self.answer, self.data = answer, self.word & 0xFFFFFFFF if answer and have else 0
+        self.waiting = pending and not answer
+        taken = valid and bool(ready)
+        if taken:
+            self.want, self.flight = False, True
+        elif outside:
+            self.want, self.have = False, True
+        drop = self.drop
+        if done:
+            self.flight, self.drop, self.have = False, False, not drop
+        if done:
+            self.word = data
+        elif outside:
+            self.word = 0
+        elif answer:
+            self.word >>= 32
+        if answer:
+            self.chunk = 0 if self.chunk == self.chunks - 1 else self.chunk + 1
+        if turn:
+            self.have, self.want, self.address = False, True, (self.address + 1) & 0xFFFFFF
+        if go:
+            self.want, self.have, self.address, self.chunk = True, False, address, 0
+            self.drop = (flight and not done) or taken
+
+
+class ControlModel:
+    """`slog_control`: every output comes from registers, so `outputs` needs no inputs."""
+
+    INPUTS = ("rst_i", *CsrModel.INPUTS, "active_i", "accepted_i", "dropped_i", "slot_valid_i", "armed_i", "writing_i",
+              "refused_i", "captured_i", "job_ready_i", "job_level_i", "job_busy_i", "result_valid_i", "result_i",
+              "result_level_i", "work_i", "score_i", "peek_ready_i", "peek_done_i", "peek_data_i")
+    OUTPUTS = (*CsrModel.OUTPUTS, "hold_o", "width_o", "height_o", "g_o", "g2_o", "capture_valid_o", "capture_cancel_o",
+               "capture_camera_o", "capture_slot_o", "slots_clear_o", "job_valid_o", "job_o", "grid_x_o", "grid_y_o",
+               "step_x_o", "step_y_o", "result_ready_o", "peek_valid_o", "peek_addr_o", "irq_o")
+
+    def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
+        self.config = config
+        self.csr = CsrModel(fields, STORED, EVENTS, "peek_data.value")
+        self.bank = FilterBankModel(config)
+        self.peek = PeekModel(config.group_bits, config.store_words)
+        self.counts = [0] * 10
+        self.irq = 0
+
+    def outputs(self) -> dict[str, int | None]:
+        """Outputs of this clock."""
+        v, bank = self.csr.value, self.bank
+        return {
+            **self.csr.outputs(),
+            "hold_o": bank.busy, "width_o": bank.size[0], "height_o": bank.size[1], "g_o": bank.coefs(0),
+            "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
+            "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
+            "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],
+            "job_valid_o": v["job.submit.go"],
+            "job_o": pack(JOB_LAYOUT, {
+                "tag": v["job.submit.tag"], "surface": v["job.submit.surface"], "tpl_slot": v["job.tpl.slot"],
+                "tpl_x": v["job.tpl.x"], "tpl_y": v["job.tpl.y"], "width": v["job.window.width"],
+                "height": v["job.window.height"], "search_slot": v["job.search.slot"],
+                "search_x": v["job.search.x"], "search_y": v["job.search.y"],
+                "offsets_x": v["job.offsets.across"], "offsets_y": v["job.offsets.down"]}),
+            "grid_x_o": v["job.grid.across"], "grid_y_o": v["job.grid.down"], "step_x_o": v["job.step.x"],
+            "step_y_o": v["job.step.y"], "result_ready_o": v["result.pop.go"],
+            "peek_valid_o": int(self.peek.valid), "peek_addr_o": self.peek.address if self.peek.valid else None,
+            "irq_o": self.irq,
+        }
+
+    def _status(self, i: Mapping[str, int]) -> dict[str, int]:
+        """What the host would read in this clock."""
+        c = self.config
+        r = unpack(RESULT_LAYOUT, i["result_i"])
+        status = {
+            "id.value": int.from_bytes(b"SLOG"), "version.minor": 0, "version.major": 1,
+            "build_image.max_width": c.max_width, "build_image.max_height": c.max_height,
+            "build_filter.min_image": c.min_image, "build_filter.radius": c.radius,
+            "build_filter.fraction": COEF_FRACTION, "build_window.min_window": c.min_window,
+            "build_window.max_window": c.max_window, "build_window.group_bits": c.group_bits,
+            "build_window.words_per_row": c.words_per_row, "build_board.cameras": c.cameras,
+            "build_board.slots": c.slots, "build_board.lanes": c.lanes, "build_board.surface_depth": c.surface_depth,
+            "build_queue.job_depth": c.job_depth, "build_queue.result_depth": c.result_depth,
+            "image_active.width": self.bank.size[0], "image_active.height": self.bank.size[1],
+            "filter.busy": self.bank.busy, "filter.size_error": self.bank.error, "filter.active": i["active_i"],
+            "slot_status.valid": i["slot_valid_i"], "slot_status.armed": i["armed_i"],
+            "slot_status.writing": i["writing_i"], "slot_status.refused": i["refused_i"],
+            "job.status.waiting": i["job_level_i"], "job.status.ready": i["job_ready_i"],
+            "job.status.busy": i["job_busy_i"], "result.pop.waiting": i["result_level_i"],
+            "result.head.tag": r["tag"], "result.head.status": r["status"], "result.head.valid": i["result_valid_i"],
+            "result.best.x": r["best_x"], "result.best.y": r["best_y"], "result.scores.score": r["score"],
+            "result.scores.runner_up": r["runner_up"], "irq_status.result": i["result_valid_i"],
+        }
+        for k in range(4):
+            status[f"result.neighbour[{k}].even"] = r[f"neighbour{2 * k}"]
+            status[f"result.neighbour[{k}].odd"] = r[f"neighbour{2 * k + 1}"]
+        names = ["clocks", "busy", "scores", "jobs", "refused", "overflows", "frames[0]", "frames[1]", "drops[0]",
+                 "drops[1]"]
+        status.update({f"counter.{name}.value": n for name, n in zip(names, self.counts, strict=True)})
+        return status
+
+    def edge(self, i: Mapping[str, int]) -> None:
+        """Take the clock edge."""
+        v = self.csr.value
+        overflow = int(v["job.submit.go"] and not i["job_ready_i"])
+        events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), overflow), strict=True))
+        if i["rst_i"]:
+            self.csr.reset()
+            self.bank.reset()
+            self.peek.reset()
+            self.counts, self.irq = [0] * len(self.counts), 0
+            return
+        taken = i["result_valid_i"] and v["result.pop.go"]
+        good = unpack(RESULT_LAYOUT, i["result_i"])["status"] == 0 if taken else False
+        happened = [1, i["work_i"], i["score_i"], taken and good, taken and not good, overflow,
+                    i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
+        irq = (i["result_valid_i"] and v["irq_enable.result"]) or any(
+            v[name] and v[name.replace("status", "enable")] for name in EVENTS)
+        peek = dict(go=v["peek_address.go"], address=v["peek_address.word"], request=self.csr.external_read)
+        bank = dict(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
+                    commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]))
+        self.csr.edge(i, lambda: self._status(i), events, self.peek.answer, self.peek.data)
+        self.bank.edge(**bank, active=i["active_i"] | i["writing_i"])
+        self.peek.edge(**peek, ready=i["peek_ready_i"], done=i["peek_done_i"], data=i["peek_data_i"])
+        self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, happened, strict=True)]
+        self.irq = int(bool(irq))
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock, then the clock edge."""
+        out = self.outputs()
+        self.edge(i)
+        return out
