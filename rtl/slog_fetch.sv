@@ -11,7 +11,7 @@
 //   +1     rows_written_o, tpl_done_o
 // Latency    : job to ticket 12 clocks when a template bank is free, first read 1 clock after.
 // Throughput : one store read a clock, without gaps in a row; a job takes 13 clocks plus its reads.
-// Rules      : a row is loaded only when the ring has room for it beyond doubt (it is never filled to the last three rows).
+// Rules      : a row is loaded when the ring has room for it; the ring is filled to its last row.
 //              slot_busy_o marks the slots of the present job from the clock after it is taken, which is when the check
 //              looks at slot_valid_i, until its last read.
 `include "slog_assert.svh"
@@ -126,10 +126,12 @@ module slog_fetch
   logic [9:0] rows_left_q;
   logic [ShiftW-1:0] shift_q;
   logic [7:0] tpl_row_q;
-  logic [RowW-1:0] ring_q;           // ring rows given out
-  logic room_q, loading_tpl, read, row_end, load_end;
+  logic [RowW-1:0] ring_q;           // ring rows given out, mod 2*RingRows
+  logic [RowW-1:0] ring_next_q;      // ring_q + 1
+  logic [RowW-1:0] limit_q;          // value of ring_q at which the ring is full
+  logic full_q, loading_tpl, read, row_end, load_end;
   assign loading_tpl = state_q == Template;
-  assign read        = loading_tpl || (state_q == Search && (word_q != '0 || room_q));
+  assign read        = loading_tpl || (state_q == Search && (word_q != '0 || !full_q));
   assign row_end     = read && word_q == words_in_q;
   assign load_end    = row_end && rows_left_q == '0;
 
@@ -200,17 +202,20 @@ module slog_fetch
     end
   end
 
-  // Room in the ring. The two registers hide at most two rows begun since, hence the margin.
-  logic [RowW-1:0] used_q;
+  // Room in the ring, up to limit_q: free rows are known a clock or two late, never early.
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      ring_q <= '0;
-      used_q <= '0;
-      room_q <= 1'b0;
+      ring_q      <= '0;
+      ring_next_q <= RowW'(1);
+      limit_q     <= RowW'(RingRows);
+      full_q      <= 1'b0;
     end else begin
-      if (row_end && !loading_tpl) ring_q <= ring_q + 1'b1;
-      used_q <= ring_q - rows_freed_i;
-      room_q <= used_q < RowW'(RingRows - 2);
+      if (row_end && !loading_tpl) begin
+        ring_q      <= ring_next_q;
+        ring_next_q <= ring_next_q + 1'b1;
+      end
+      limit_q <= rows_freed_i + RowW'(RingRows);
+      full_q  <= (row_end && !loading_tpl) ? ring_next_q == limit_q : ring_q == limit_q;
     end
   end
 
@@ -288,7 +293,7 @@ module slog_fetch
   assign rows_written_o = rows_written_q;
   assign busy_o         = state_q != Idle || ticket_valid_q;
 
-  `SLOG_ASSERT_INIT(SlogFetchRing, RingRows == 2 ** (RowW - 1) && RingRows >= MaxWindow + 4 && RingRows <= 256)
+  `SLOG_ASSERT_INIT(SlogFetchRing, RingRows == 2 ** (RowW - 1) && RingRows >= MaxWindow && RingRows <= 256)
   `SLOG_ASSERT_STABLE(SlogFetchTicketStable, ticket_valid_o, ticket_ready_i, ticket_o)
   `SLOG_ASSERT(SlogFetchRingNotOverrun, RowW'(ring_q - rows_freed_i) <= RowW'(RingRows))
   `SLOG_ASSERT(SlogFetchBanks, banks_used_q != 2'd3 && !(bank_free_i && banks_used_q == '0))

@@ -35,7 +35,6 @@ module slog_sequencer
     output context_t               ctx_o,
     output logic                   row_valid_o,
     input  logic                   row_ready_i,
-    output logic                   row_surface_o,
     output logic [9:0]             row_offsets_o,
     output step_t                  step_o,
     output logic [2*GroupBits-1:0] mask_o,
@@ -220,13 +219,12 @@ module slog_sequencer
           area: t_q.area
       };
   assign row_valid_o    = row_valid_q;
-  assign row_surface_o  = t_q.job.surface;
   assign row_offsets_o  = t_q.job.offsets_x;
   assign mask_o         = mask_q;
   assign busy_o         = state_q != Idle || token_valid_q || walking;
 
   `SLOG_ASSERT_INIT(SlogSequencerPitch, Pitch == 2 ** PitchW && Pitch <= 32)
   `SLOG_ASSERT_STABLE(SlogSequencerCtxStable, ctx_valid_o, ctx_ready_i, ctx_o)
-  `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, {row_surface_o, row_offsets_o})
+  `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, row_offsets_o)
   `SLOG_ASSERT(SlogSequencerMaskStatic, !$stable(mask_o) |-> !walking)
 endmodule : slog_sequencer

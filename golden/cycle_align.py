@@ -1,0 +1,37 @@
+"""Cycle model of `slog_align`."""
+
+from __future__ import annotations
+
+
+class AlignModel:
+    """Pairs each store word with the input of the next clock and shifts it down; registers move only with a word."""
+
+    INPUTS = ("rst_i", "in_valid_i", "in_emit_i", "in_data_i", "in_shift_i", "in_side_i")
+    OUTPUTS = ("out_valid_o", "out_data_o", "out_side_o")
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+        stages = width.bit_length() // 2
+        self.latency = 1 + stages
+        self.valid = [0] * self.latency
+        self.first: tuple[int, int] | None = None
+        self.data: list[int | None] = [None] * stages
+        self.side: list[int | None] = [None] * self.latency
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        out = {"out_valid_o": self.valid[-1], "out_data_o": self.data[-1], "out_side_o": self.side[-1]}
+        for s in range(self.latency - 1, 0, -1):
+            if self.valid[s - 1]:
+                self.side[s] = self.side[s - 1]
+                if s >= 2:
+                    self.data[s - 1] = self.data[s - 2]
+                elif self.first is not None:
+                    word, shift = self.first
+                    self.data[0] = (i["in_data_i"] << self.width | word) >> shift & (1 << self.width) - 1
+        begins = i["in_valid_i"] & i["in_emit_i"]
+        if begins:
+            self.first = i["in_data_i"], i["in_shift_i"]
+            self.side[0] = i["in_side_i"]
+        self.valid = [0] * self.latency if i["rst_i"] else [begins, *self.valid[:-1]]
+        return out

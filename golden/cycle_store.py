@@ -1,0 +1,55 @@
+"""Cycle model of `slog_store`."""
+
+from __future__ import annotations
+
+STORE_LATENCY = 4
+"""Clocks from a read to its data (rtl/slog_store_pkg.sv)."""
+
+
+class StoreModel:
+    """`words` words; a read sees every write of earlier clocks. Words never written, and data never read, are undefined."""
+
+    INPUTS = ("rst_i", "wr_valid_i", "wr_addr_i", "wr_data_i", "rd_valid_i", "rd_addr_i", "peek_valid_i", "peek_addr_i")
+    OUTPUTS = ("rd_data_o", "peek_ready_o", "peek_done_o", "peek_data_o")
+
+    def __init__(self, words: int) -> None:
+        self.memory: list[int | None] = [None] * words
+        self.flight: list[tuple[int, bool] | None] = [None] * (STORE_LATENCY - 1)
+        self.data: int | None = None
+        self.pending: int | None = None
+        self.peeking = False
+        self.done = False
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        ready = self.pending is None and not self.peeking
+        out: dict[str, int | None] = {"rd_data_o": self.data, "peek_ready_o": int(ready),
+                                      "peek_done_o": int(self.done), "peek_data_o": self.data}
+        read: tuple[int, bool] | None = None
+        if i["rd_valid_i"]:
+            read = i["rd_addr_i"], False
+        elif self.pending is not None:
+            read = self.pending, True
+            self.pending = None
+            self.peeking = True
+        if i["peek_valid_i"] and ready:
+            self.pending = i["peek_addr_i"]
+        # The memory is looked up on arrival, which is the same thing: writes take as long as reads to reach it.
+        arrived = self.flight.pop()
+        self.done = False
+        if arrived is not None:
+            self.data = arrived[0] if arrived[0] >= 0 else None
+            self.done = arrived[1]
+        self.flight.insert(0, None if read is None else (self._word(read[0]), read[1]))
+        if i["wr_valid_i"]:
+            self.memory[i["wr_addr_i"]] = i["wr_data_i"]
+        if self.done:
+            self.peeking = False
+        if i["rst_i"]:
+            self.pending, self.peeking, self.done = None, False, False
+            self.flight = [None if f is None else (f[0], False) for f in self.flight]
+        return out
+
+    def _word(self, address: int) -> int:
+        word = self.memory[address]
+        return -1 if word is None else word
