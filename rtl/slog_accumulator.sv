@@ -1,53 +1,50 @@
-// Adds up each lane's counts over a pass, bit-sliced and skewed like the counts.
+// Adds up each lane's counts over a pass; total and count travel skewed, bit i one clock after bit i-1.
 //
 //   total[k] = (first ? 0 : total[k]) + count[k] + extra[k]
 //
-// Slice i adds bit i of total and count and the registered carry of slice i-1; extra is the carry into slice 0.
+// Slice i of a lane adds bit i of total and count and the carry that slice i-1 registered; extra is slice 0's carry.
 //
-// Latency    : total bit i holds a row's sum 1 clock after count bit i came, which is i clocks after bit 0.
+// Stage  registers        valid at lane k, after the clock of first_i and extra_i
+//   1    carry_q[k][0]    1 + k: extra, held back to meet count bit 0
+//   1    first_q[k][i]    1 + k + i: a pass starts here: forget the total
+//   2    total_q[k][i]    2 + k + i
+//
+// Latency    : count bit i to total bit i: 1 clock. Lane 0's count bit 0 comes the clock after its extra and first_i.
 // Throughput : one row per lane and clock. Everything holds while move_i is low.
 // Formats    : total unsigned, never above 2**ScoreBits - 1 within a pass.
-// first_i[i] is the wave of pass starts: bit i is lane 0 of slice i, bit i + k lane k of slice i.
 module slog_accumulator #(
-    parameter  int unsigned CountBits = 4,
-    parameter  int unsigned ScoreBits = 9,
-    parameter  int unsigned Lanes     = 5,
-    localparam int unsigned WaveBits  = ScoreBits + Lanes - 1
+    parameter int unsigned CountBits = 4,
+    parameter int unsigned ScoreBits = 9,
+    parameter int unsigned Lanes     = 5
 ) (
-    input  logic                clk_i,
-    input  logic                move_i,
-    input  logic [WaveBits-1:0] first_i,
-    input  logic [Lanes-1:0]    extra_i,
-    input  logic [Lanes-1:0]    count_i[CountBits],
-    output logic [Lanes-1:0]    total_o[ScoreBits]
+    input  logic                 clk_i,
+    input  logic                 move_i,
+    input  logic                 first_i,
+    input  logic                 extra_i[Lanes],
+    input  logic [CountBits-1:0] count_i[Lanes],
+    output logic [ScoreBits-1:0] total_o[Lanes]
 );
-  for (genvar i = 0; i < ScoreBits; i++) begin : g_slice
-    logic [Lanes-1:0] total_q, held, count, carry_in;
-    assign held = total_q & ~first_i[i+:Lanes];
+  logic [ScoreBits-1:0] first_d[Lanes], first_q[Lanes];
+  logic [ScoreBits-1:0] total_d[Lanes], total_q[Lanes], carry_d[Lanes], carry_q[Lanes];
 
-    if (i < CountBits) begin : g_count
-      assign count = count_i[i];
-    end else begin : g_count
-      assign count = '0;
+  always_comb begin
+    first_d[0] = {first_q[0][ScoreBits-2:0], first_i};
+    /* verilator unroll_disable */
+    for (int unsigned k = 1; k < Lanes; k++) first_d[k] = {first_q[k][ScoreBits-2:0], first_q[k-1][0]};
+    /* verilator unroll_disable */
+    for (int unsigned k = 0; k < Lanes; k++) begin
+      total_d[k] = (total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]) ^ carry_q[k];
+      carry_d[k] = ScoreBits'({((total_q[k] & ~first_q[k]) & ScoreBits'(count_i[k])) |
+          (carry_q[k] & ((total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]))), extra_i[k]});
     end
-
-    if (i == 0) begin : g_in
-      assign carry_in = extra_i;
-    end else begin : g_in
-      assign carry_in = g_slice[i-1].g_carry.carry_q;
-    end
-
-    always_ff @(posedge clk_i) begin
-      if (move_i) total_q <= held ^ count ^ carry_in;
-    end
-
-    if (i < ScoreBits - 1) begin : g_carry
-      logic [Lanes-1:0] carry_q;
-      always_ff @(posedge clk_i) begin
-        if (move_i) carry_q <= (held & count) | (carry_in & (held ^ count));
-      end
-    end
-
-    assign total_o[i] = total_q;
   end
+
+  always_ff @(posedge clk_i) begin
+    if (move_i) begin
+      first_q <= first_d;
+      total_q <= total_d;
+      carry_q <= carry_d;
+    end
+  end
+  assign total_o = total_q;
 endmodule : slog_accumulator

@@ -42,28 +42,26 @@ module slog_array #(
 );
   localparam int unsigned Levels    = slog_array_pkg::levels(GroupBits);
   localparam int unsigned CountBits = Levels + 1;
-  localparam int unsigned WaveBits  = ScoreBits + Lanes - 1;
 
-  logic [Lanes-1:0] x_a[GroupBits] /* verilator split_var */;
-  logic [Lanes-1:0] x_b[GroupBits] /* verilator split_var */;
-  logic [Lanes-1:0] count[CountBits] /* verilator split_var */;
-  logic [Lanes-1:0] total[ScoreBits] /* verilator split_var */;
+  logic [GroupBits-1:0] x_a[Lanes], x_b[Lanes];
+  logic [CountBits-1:0] count[Lanes];
+  logic                 extra[Lanes];
+  logic [ScoreBits-1:0] total[Lanes];
 
-  slog_lanes #(.GroupBits(GroupBits), .Lanes(Lanes), .Stagger(1'b1)) u_lanes_a (
+  slog_lanes #(.GroupBits(GroupBits), .Lanes(Lanes)) u_lanes_a (
       .clk_i, .move_i, .tpl_i(tpl_a_i), .search_i(search_a_i), .mask_i(mask_i[GroupBits-1:0]), .x_o(x_a)
   );
   slog_lanes #(.GroupBits(GroupBits), .Lanes(Lanes)) u_lanes_b (
       .clk_i, .move_i, .tpl_i(tpl_b_i), .search_i(search_b_i), .mask_i(mask_i[2*GroupBits-1:GroupBits]), .x_o(x_b)
   );
   slog_popcount #(.GroupBits(GroupBits), .Lanes(Lanes)) u_popcount (
-      .clk_i, .move_i, .a_i(x_a[1:GroupBits-1]), .b_i(x_b), .count_o(count)
+      .clk_i, .move_i, .a_i(x_a), .b_i(x_b), .count_o(count), .extra_o(extra)
   );
 
   // The control bits wait for bit 0 of lane 0's count.
   logic [Levels:0] first_q;
   logic [Levels+1:0] last_q;
   logic [LaneW-1:0] lanes_q[Levels+2];
-  logic [WaveBits-1:0] wave_q;  // starts of passes, one lane or slice further each clock
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       first_q <= '0;
@@ -77,12 +75,11 @@ module slog_array #(
     if (move_i) begin
       lanes_q[0] <= lanes_i;
       for (int unsigned d = 1; d < Levels + 2; d++) lanes_q[d] <= lanes_q[d-1];
-      wave_q <= {wave_q[WaveBits-2:0], first_q[Levels]};
     end
   end
 
   slog_accumulator #(.CountBits(CountBits), .ScoreBits(ScoreBits), .Lanes(Lanes)) u_accumulator (
-      .clk_i, .move_i, .first_i(wave_q), .extra_i(x_a[0]), .count_i(count), .total_o(total)
+      .clk_i, .move_i, .first_i(first_q[Levels]), .extra_i(extra), .count_i(count), .total_o(total)
   );
   slog_emit #(.ScoreBits(ScoreBits), .Lanes(Lanes)) u_emit (
       .clk_i, .rst_i, .move_i, .last_i(last_q[Levels+1]), .lanes_i(lanes_q[Levels+1]), .total_i(total),

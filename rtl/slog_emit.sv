@@ -2,12 +2,12 @@
 //
 //   mismatch = total of lane 0, 1, .. lanes-1, in that order
 //
-// Stage  registers                    valid after the clock of last_i
-//   1    token_q of slice 0, lane 0   1 (slice i: 1 + i; lane k: + k): marks the total to take in that clock
-//   2    pair_q                       2 + i: AND-OR of two lanes
-//   3    few_q                        3 + i: OR of four pairs
-//   4    bit_q                        4 + i: OR of all
-//   -    early_q                      the lower bits wait for the top one: 3 + ScoreBits
+// Stage  registers   valid after the clock of last_i (bit 0 of lane 0; bit i of lane k: + i + k)
+//   1    token_q     1: marks the total bit to take in that clock
+//   2    pair_q      2: AND-OR of two lanes
+//   3    few_q       3: OR of four pairs
+//   4    word_q      4: OR of all
+//   -    early_q     the lower bits wait for the top one: 3 + ScoreBits
 //
 // Latency    : last_i to mismatch_valid_o of lane 0: 3 + ScoreBits clocks.
 // Throughput : one score per clock; a pass's last_i comes at least lanes clocks after the one before.
@@ -23,7 +23,7 @@ module slog_emit #(
     input  logic                 move_i,
     input  logic                 last_i,
     input  logic [LaneW-1:0]     lanes_i,
-    input  logic [Lanes-1:0]     total_i[ScoreBits],
+    input  logic [ScoreBits-1:0] total_i[Lanes],
     output logic                 mismatch_valid_o,
     output logic [ScoreBits-1:0] mismatch_o
 );
@@ -51,50 +51,53 @@ module slog_emit #(
     end
   end
 
-  for (genvar i = 0; i < ScoreBits; i++) begin : g_slice
-    logic [Lanes-1:0] token_q;
-    logic [2*Pairs-1:0] taken;
-    logic [Pairs-1:0] pair_q;
-    logic [4*Fews-1:0] pairs;
-    logic [Fews-1:0] few_q;
-    logic bit_q;
+  logic [ScoreBits-1:0] token_d[Lanes], token_q[Lanes], taken[2*Pairs];
+  logic [ScoreBits-1:0] pair_d[4*Fews], pair_q[4*Fews], few_d[Fews], few_q[Fews], word_d, word_q;
+  always_comb begin
+    token_d[0] = {token_q[0][ScoreBits-2:0], last_i};
+    /* verilator unroll_disable */
+    for (int unsigned k = 1; k < Lanes; k++) token_d[k] = {token_q[k][ScoreBits-2:0], token_q[k-1][0] & more_q};
+    taken[2*Pairs-1] = '0;
+    /* verilator unroll_disable */
+    for (int unsigned k = 0; k < Lanes; k++) taken[k] = total_i[k] & token_q[k];
+    for (int unsigned p = Pairs; p < 4 * Fews; p++) pair_d[p] = '0;
+    /* verilator unroll_disable */
+    for (int unsigned p = 0; p < Pairs; p++) pair_d[p] = taken[p] | taken[p+Pairs];
+    /* verilator unroll_disable */
+    for (int unsigned f = 0; f < Fews; f++) begin
+      few_d[f] = pair_q[f] | pair_q[f+Fews] | pair_q[f+2*Fews] | pair_q[f+3*Fews];
+    end
+    word_d = '0;
+    for (int unsigned f = 0; f < Fews; f++) word_d |= few_q[f];
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) token_q <= '{default: '0};
+    else if (move_i) token_q <= token_d;
+  end
+  always_ff @(posedge clk_i) begin
+    if (move_i) begin
+      pair_q <= pair_d;
+      few_q  <= few_d;
+      word_q <= word_d;
+    end
+  end
+
+  for (genvar i = 0; i < ScoreBits; i++) begin : g_deskew
     logic [i:0] bits;
-
-    if (i == 0) begin : g_token
-      always_ff @(posedge clk_i) begin
-        if (rst_i) token_q <= '0;
-        else if (move_i) token_q <= {token_q[Lanes-2:0] & {(Lanes - 1){more_q}}, last_i};
-      end
-    end else begin : g_token
-      always_ff @(posedge clk_i) begin
-        if (rst_i) token_q <= '0;
-        else if (move_i) token_q <= g_slice[i-1].token_q;
-      end
-    end
-
-    assign taken = (2 * Pairs)'(token_q & total_i[i]);
-    assign pairs = (4 * Fews)'(pair_q);
-    always_ff @(posedge clk_i) begin
-      if (move_i) begin
-        pair_q <= taken[Pairs-1:0] | taken[2*Pairs-1:Pairs];
-        few_q  <= pairs[Fews-1:0] | pairs[2*Fews-1:Fews] | pairs[3*Fews-1:2*Fews] | pairs[4*Fews-1:3*Fews];
-        bit_q  <= |few_q;
-      end
-    end
-
     if (i == 0) begin : g_bits
-      assign bits = bit_q;
+      assign bits = word_q[0];
     end else begin : g_bits
       logic [i-1:0] early_q;
       always_ff @(posedge clk_i) begin
-        if (move_i) early_q <= g_slice[i-1].bits;
+        if (move_i) early_q <= g_deskew[i-1].bits;
       end
-      assign bits = {bit_q, early_q};
+      assign bits = {word_q[i], early_q};
     end
   end
 
   assign mismatch_valid_o = valid_q[ScoreBits+2];
-  assign mismatch_o       = g_slice[ScoreBits-1].bits;
+  assign mismatch_o       = g_deskew[ScoreBits-1].bits;
 
   `SLOG_ASSERT(SlogEmitOnePass, !(last_i && move_i && more_q))
   `SLOG_ASSERT(SlogEmitLanes, !(last_i && move_i) || (lanes_i != '0 && lanes_i <= LaneW'(Lanes)))

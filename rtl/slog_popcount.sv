@@ -1,12 +1,18 @@
-// Counts the ones of both groups in every lane, all but group A's bit 0, by a heap of registered full adders.
+// Counts the ones of both groups in every lane, but for group A's bit 0, which leaves as extra_o to be added later.
 //
-//   count[k] = sum of b_i[*][k] + sum of a_i[1..][k]
+//   count[k] + extra[k] = popcount(a_i[k]) + popcount(b_i[k])
 //
-// Node n of the heap (1 = root) adds its children 2n and 2n+1 and, as carry in, group A's bit n; the leaves
-// GroupBits..2*GroupBits-1 are group B's bits. A node of level l adds two l-bit numbers; numbers travel skewed, bit i
-// one clock after bit i-1, so every carry takes a clock and there is one full adder between registers.
+// A tree of registered full adders: a node of level l adds two l-bit numbers of level l-1 (level 0: bits of group B)
+// and one bit of group A as carry in. Numbers travel skewed, bit i one clock after bit i-1, so that every carry takes
+// a clock and there is one full adder between registers. All nodes of a level stand side by side in one word: level l
+// has GroupBits / 2**l nodes and takes group A's bits GroupBits / 2**l and up; node r adds numbers r and r + (nodes).
 //
-// Latency    : count bit i is valid Levels + i clocks after b_i; a_i[n] must come levels - bits(n) clocks after b_i.
+// Stage   registers                    valid after the clock of a_i, b_i
+//   l     late_q of level l + 1        l: group A's bits that enter above level l
+//   l     sum, carry of level l        l + i: bit i
+//         top_q of level l             l + l: the top bit waits, so that it too is one clock after the bit below
+//
+// Latency    : count bit i: Levels + i clocks; extra: Levels - 1 clocks.
 // Throughput : one count per lane and clock. Everything holds while move_i is low.
 // Formats    : count unsigned, 0..2*GroupBits-1.
 module slog_popcount #(
@@ -14,43 +20,70 @@ module slog_popcount #(
     parameter  int unsigned Lanes     = 5,
     localparam int unsigned Levels    = slog_array_pkg::levels(GroupBits)
 ) (
-    input  logic             clk_i,
-    input  logic             move_i,
-    input  logic [Lanes-1:0] a_i[1:GroupBits-1],
-    input  logic [Lanes-1:0] b_i[GroupBits],
-    output logic [Lanes-1:0] count_o[Levels+1]
+    input  logic                 clk_i,
+    input  logic                 move_i,
+    input  logic [GroupBits-1:0] a_i[Lanes],
+    input  logic [GroupBits-1:0] b_i[Lanes],
+    output logic [Levels:0]      count_o[Lanes],
+    output logic                 extra_o[Lanes]
 );
-  for (genvar n = 1; n < 2 * GroupBits; n++) begin : g_node
-    localparam int unsigned Level = Levels + 1 - $clog2(n + 1);
-    for (genvar i = 0; i <= Level; i++) begin : g_bit
-      logic [Lanes-1:0] value;
-      if (Level == 0) begin : g_leaf
-        assign value = b_i[n-GroupBits];
-      end else if (i < Level) begin : g_add
-        logic [Lanes-1:0] carry_in, carry;
-        if (i == 0) begin : g_carry
-          assign carry_in = a_i[n];
-        end else begin : g_carry
-          assign carry_in = g_node[n].g_bit[i-1].g_add.carry;
+  for (genvar l = 1; l <= Levels; l++) begin : g_late
+    localparam int unsigned Kept = (2 * GroupBits) >> l;
+    logic [Kept-1:0] bits[Lanes];
+    if (l == 1) begin : g_now
+      assign bits = a_i;
+    end else begin : g_delay
+      logic [Kept-1:0] late_d[Lanes], late_q[Lanes];
+      always_comb begin
+        /* verilator unroll_disable */
+        for (int unsigned k = 0; k < Lanes; k++) late_d[k] = g_late[l-1].bits[k][Kept-1:0];
+      end
+      always_ff @(posedge clk_i) begin
+        if (move_i) late_q <= late_d;
+      end
+      assign bits = late_q;
+    end
+  end
+
+  // Level l's number bit i, all nodes in one word.
+  for (genvar l = 0; l <= Levels; l++) begin : g_level
+    localparam int unsigned Nodes = GroupBits >> l;
+    for (genvar i = 0; i <= l; i++) begin : g_bit
+      logic [Nodes-1:0] number[Lanes];
+      if (l == 0) begin : g_leaf
+        assign number = b_i;
+      end else if (i < l) begin : g_add
+        logic [Nodes-1:0] carry_in[Lanes], carry[Lanes];
+        if (i == 0) begin : g_in
+          always_comb begin
+            /* verilator unroll_disable */
+            for (int unsigned k = 0; k < Lanes; k++) carry_in[k] = g_late[l].bits[k][2*Nodes-1:Nodes];
+          end
+        end else begin : g_in
+          assign carry_in = g_level[l].g_bit[i-1].g_add.carry;
         end
-        slog_full_adder #(.Lanes(Lanes)) u_adder (
-            .clk_i,
-            .move_i,
-            .a_i    (g_node[2*n].g_bit[i].value),
-            .b_i    (g_node[2*n+1].g_bit[i].value),
-            .c_i    (carry_in),
-            .sum_o  (value),
-            .carry_o(carry)
+        slog_add_halves #(.Width(Nodes), .Lanes(Lanes)) u_add (
+            .clk_i, .move_i, .bits_i(g_level[l-1].g_bit[i].number), .carry_i(carry_in),
+            .sum_o(number), .carry_o(carry)
         );
       end else begin : g_top
+        logic [Nodes-1:0] top_q[Lanes];
         always_ff @(posedge clk_i) begin
-          if (move_i) value <= g_node[n].g_bit[i-1].g_add.carry;
+          if (move_i) top_q <= g_level[l].g_bit[i-1].g_add.carry;
         end
+        assign number = top_q;
       end
     end
   end
 
   for (genvar i = 0; i <= Levels; i++) begin : g_count
-    assign count_o[i] = g_node[1].g_bit[i].value;
+    always_comb begin
+      /* verilator unroll_disable */
+      for (int unsigned k = 0; k < Lanes; k++) count_o[k][i] = g_level[Levels].g_bit[i].number[k];
+    end
+  end
+  always_comb begin
+    /* verilator unroll_disable */
+    for (int unsigned k = 0; k < Lanes; k++) extra_o[k] = g_late[Levels].bits[k][0];
   end
 endmodule : slog_popcount

@@ -1,0 +1,37 @@
+// Registered full adders in every lane: adds the two halves of a word of bits, and a carry, place by place.
+//
+//   2 * carry_o[k] + sum_o[k] = bits_i[k][Width-1:0] + bits_i[k][2*Width-1:Width] + carry_i[k]     (place by place)
+//
+// Latency    : 1 clock in which move_i is high; outputs hold while it is low.
+// Throughput : Width additions per lane and clock.
+module slog_add_halves #(
+    parameter int unsigned Width = 4,
+    parameter int unsigned Lanes = 5
+) (
+    input  logic               clk_i,
+    input  logic               move_i,
+    input  logic [2*Width-1:0] bits_i[Lanes],
+    input  logic [Width-1:0]   carry_i[Lanes],
+    output logic [Width-1:0]   sum_o[Lanes],
+    output logic [Width-1:0]   carry_o[Lanes]
+);
+  logic [Width-1:0] sum_d[Lanes], sum_q[Lanes], carry_d[Lanes], carry_q[Lanes];
+
+  always_comb begin
+    /* verilator unroll_disable */
+    for (int unsigned k = 0; k < Lanes; k++) begin
+      sum_d[k] = bits_i[k][Width-1:0] ^ bits_i[k][2*Width-1:Width] ^ carry_i[k];
+      carry_d[k] = (bits_i[k][Width-1:0] & bits_i[k][2*Width-1:Width]) |
+                   (carry_i[k] & (bits_i[k][Width-1:0] ^ bits_i[k][2*Width-1:Width]));
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (move_i) begin
+      sum_q   <= sum_d;
+      carry_q <= carry_d;
+    end
+  end
+  assign sum_o   = sum_q;
+  assign carry_o = carry_q;
+endmodule : slog_add_halves
