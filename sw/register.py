@@ -250,7 +250,7 @@ class Registrar:
         at = np.array(centres, np.float64)
         ahead = self.fine.to_board(guess(self.fine.to_source(at)))
         room = window / 2 + 2
-        inside = ((ahead >= room) & (ahead <= np.array([width, height]) - 1 - room)).all(axis=1)
+        inside = np.all((ahead >= room) & (ahead <= np.array([width, height]) - 1 - room), axis=1).tolist()
         kept = [c for c, good in zip(centres, inside, strict=True)
                 if good and self._seen(self.fine, turn, c, (window, window))]
         step = max(1, len(kept) / 24)

@@ -11,6 +11,7 @@ focal metres. Everything is deterministic for a seed.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import cv2
@@ -24,7 +25,8 @@ def gravel(scale: float = 2.0) -> Picture:
     """scikit-image's bundled photograph of gravel (512x512, comes with the package), enlarged; uint8 (512*scale,)*2."""
     from skimage import data
 
-    photo = np.asarray(data.gravel(), np.uint8)
+    load: Callable[[], NDArray[np.uint8]] = data.gravel
+    photo = load()
     return np.asarray(cv2.resize(photo, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
 
 

@@ -336,7 +336,8 @@ class Fit:
         """One line for the user where frames are scaled, else empty."""
         if not self.scaled:
             return ""
-        return f"frames of {_by(self.source)} are scaled to {_by(self.board)} for the board; figures are in original pixels"
+        return (f"frames of {_by(self.source)} are scaled to {_by(self.board)} for the board; "
+                "figures are in original pixels")
 
 
 def _by(size: tuple[int, int]) -> str:
