@@ -1,10 +1,10 @@
 // Keeps the last 2 * Radius lines and gives with every new pixel the column of 2 * Radius + 1 pixels it ends.
 //
-// window_o[i] is the pixel i lines above the newest; the output row's pixel is window_o[Radius]. edge_o is the pixel of
-// the image's border row in this column; beyond_old_o / beyond_new_o say which pixels lie past that row (bit d - 1:
-// distance d from the centre, on the older / newer side), to be replaced by it.
+// window_o[i] is the pixel 2 * Radius - i lines above the newest; the output row's pixel is window_o[Radius]. edge_o is
+// the pixel of the image's border row in this column; beyond_old_o / beyond_new_o say which pixels lie past that row
+// (bit d - 1: distance d from the centre, on the older / newer side), to be replaced by it.
 //
-// Stages     : 1, 2 line memory read    3 edge: one of eight, in each bank    4 edge: one of the banks, window unpacked
+// Stages     : 1, 2 line memory read    3 edge: one of eight, in each bank    4 edge: one of the banks
 // Latency    : 4 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window.
 // Throughput : one pixel per clock; a column comes again after 3 clocks at the earliest.
 // Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
@@ -24,7 +24,7 @@ module slog_line_buffer #(
     input  logic [ColW-1:0]   col_i,
     input  logic              bottom_i,
     input  logic [DistW-1:0]  dist_i,
-    output logic [7:0]        window_o[Taps],
+    output logic [Taps-1:0][7:0] window_o,
     output logic [7:0]        edge_o,
     output logic [Radius-1:0] beyond_old_o,
     output logic [Radius-1:0] beyond_new_o
@@ -38,18 +38,23 @@ module slog_line_buffer #(
   logic [PosW-1:0]    pos_q, pos_q2;
   logic [Radius-1:0]  old_q, old_q2, old_q3, new_q, new_q2, new_q3;
   logic [PosW-4:0]    bank_q3;
+  logic [64*Banks-1:0]  lines_q3;
+  logic [8*Banks-1:0]   edges_q3;
+  logic [Taps-1:0][7:0] window_q4;
+  logic [7:0]           edge_q4;
+  logic [Radius-1:0]    old_q4, new_q4;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[Latency-3:0], valid_i};
   end
 
-  // The border row is never the newest line: numbered from the one before it, its line is Radius - 1 +- dist.
+  // The border row is never the newest line, so it lies in one of the banks.
   always_ff @(posedge clk_i) begin
     if (valid_i) begin
       col_q <= col_i;
       px_q  <= px_i;
-      pos_q <= bottom_i ? PosW'(Radius - 1) - PosW'(dist_i) : PosW'(Radius - 1) + PosW'(dist_i);
+      pos_q <= bottom_i ? PosW'(Radius) + PosW'(dist_i) : PosW'(Radius) - PosW'(dist_i);
       old_q <= bottom_i ? '0 : {Radius{1'b1}} << dist_i;
       new_q <= bottom_i ? {Radius{1'b1}} << dist_i : '0;
     end
@@ -67,20 +72,22 @@ module slog_line_buffer #(
       new_q3  <= new_q2;
     end
     if (valid_q[2]) begin
-      edge_o       <= edge_q3[bank_q3];
-      beyond_old_o <= old_q3;
-      beyond_new_o <= new_q3;
-      window_o[0]  <= px_q3;
+      window_q4 <= {px_q3, lines_q3};
+      edge_q4   <= edges_q3[{bank_q3, 3'b000}+:8];
+      old_q4    <= old_q3;
+      new_q4    <= new_q3;
     end
   end
 
-  logic [7:0] edge_q3[Banks];
-  logic [7:0] newer[Banks+1];
-  assign newer[0] = px_q2;
-
   for (genvar b = 0; b < Banks; b++) begin : g_bank
-    logic [63:0] lines, lines_q3;  // byte i: the pixel 8 b + i + 1 lines above the newest
-    assign newer[b+1] = lines[63:56];
+    logic [63:0] lines, next_lines;  // byte 0 is the oldest
+    logic [7:0]  newer;
+    if (b == Banks - 1) begin : g_newest
+      assign newer = px_q2;
+    end else begin : g_inner
+      assign newer = g_bank[b+1].lines[7:0];
+    end
+    assign next_lines = {newer, lines[63:8]};
 
     slog_ram #(
         .Width(64),
@@ -89,25 +96,28 @@ module slog_line_buffer #(
         .clk_i,
         .wr_en_i  (valid_q[1]),
         .wr_addr_i(col_q2),
-        .wr_data_i({lines[55:0], newer[b]}),
+        .wr_data_i(next_lines),
         .rd_en_i  (valid_i),
         .rd_addr_i(col_i),
         .rd_data_o(lines)
     );
 
+    logic [63:0] bank_lines_q3;
+    logic [7:0]  bank_edge_q3;
     always_ff @(posedge clk_i) begin
       if (valid_q[1]) begin
-        lines_q3   <= lines;
-        edge_q3[b] <= lines[{pos_q2[2:0], 3'b000}+:8];
+        bank_lines_q3 <= lines;
+        bank_edge_q3  <= lines[{pos_q2[2:0], 3'b000}+:8];
       end
     end
-
-    for (genvar i = 0; i < 8; i++) begin : g_line
-      always_ff @(posedge clk_i) begin
-        if (valid_q[2]) window_o[8*b+i+1] <= lines_q3[8*i+:8];
-      end
-    end
+    assign lines_q3[64*b+:64] = bank_lines_q3;
+    assign edges_q3[8*b+:8]   = bank_edge_q3;
   end
+
+  assign window_o     = window_q4;
+  assign edge_o       = edge_q4;
+  assign beyond_old_o = old_q4;
+  assign beyond_new_o = new_q4;
 
   `SLOG_ASSERT_INIT(SlogLineBufferRadius, Radius >= 8 && (Radius & (Radius - 1)) == 0)
 endmodule : slog_line_buffer

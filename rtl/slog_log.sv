@@ -3,8 +3,8 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
 // past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : line buffer 4, vertical FIR 4 + L, window Radius + 3, horizontal FIR 4 + L, sum 1; L = clog2(Radius + 2)
-// Latency    : 16 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 42 at radius 16, 32 at radius 8.
+// Stages     : line buffer 4, vertical FIR 4 + L, window Radius + 1, horizontal FIR 4 + L, sum 1; L = clog2(Radius + 2)
+// Latency    : 14 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 40 at radius 16, 30 at radius 8.
 // Throughput : one pixel per clock, whole lines in consecutive clocks.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
 module slog_log #(
@@ -13,7 +13,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 16 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 14 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -42,7 +42,7 @@ module slog_log #(
   localparam int unsigned FirLatency = 4 + Levels;
   localparam int unsigned ToVertical = 4;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
-  localparam int unsigned SumV       = 25;
+  localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap
   localparam int unsigned SumH       = 36;
 
   // What goes along with the pixels. [k]: k + 1 clocks after px_*.
@@ -67,9 +67,9 @@ module slog_log #(
     end
   end
 
-  logic [7:0]        column[2*Radius+1];
-  logic [7:0]        column_edge;
-  logic [Radius-1:0] column_old, column_new;
+  logic [2*Radius:0][7:0] column;
+  logic [7:0]             column_edge;
+  logic [Radius-1:0]      column_old, column_new;
   slog_line_buffer #(
       .MaxWidth(MaxWidth),
       .Radius  (Radius)
@@ -87,18 +87,19 @@ module slog_log #(
       .beyond_new_o(column_new)
   );
 
-  logic [SumV-1:0] vertical[2];
-  logic [16:0]     values[2];
+  logic [1:0][SumV-1:0] vertical;
+  logic [17:0]          smoothed, curved;  // v, v2, extended by one bit for the sums of pairs
   slog_fir #(
       .Radius (Radius),
       .DataW  (8),
-      .Signed (1'b0),
+      .Row    (1'b0),
       .Kernels(2),
       .SumW   (SumV),
       .Bias   (64)
   ) u_vertical (
       .clk_i,
       .rst_i,
+      .move_i      (1'b0),
       .valid_i     (out_q[ToVertical-1]),
       .window_i    (column),
       .edge_i      (column_edge),
@@ -107,72 +108,77 @@ module slog_log #(
       .coef_i      ({g2_i, g_i}),
       .sum_o       (vertical)
   );
-  assign values[0] = vertical[0][7+:17];
-  assign values[1] = vertical[1][7+:17];
+  assign smoothed = {vertical[0][23], vertical[0][7+:17]};
+  assign curved   = {vertical[1][23], vertical[1][7+:17]};
 
-  logic              row_valid;
-  logic [16:0]       row[2][2*Radius+1];
-  logic [16:0]       row_edge[2];
+  logic              row_move, row_valid;
+  logic [17:0]       smoothed_new, smoothed_edge, curved_new, curved_edge;
   logic [Radius-1:0] row_old, row_new;
   slog_taps #(
       .Radius(Radius),
-      .DataW (17)
+      .DataW (18)
   ) u_taps (
       .clk_i,
       .rst_i,
       .valid_i     (out_q[ToTaps-1]),
       .first_i     (first_q[ToTaps-1]),
       .last_i      (last_q[ToTaps-1]),
-      .data_i      (values),
+      .a_i         (smoothed),
+      .b_i         (curved),
+      .move_o      (row_move),
+      .a_new_o     (smoothed_new),
+      .b_new_o     (curved_new),
       .valid_o     (row_valid),
-      .window_o    (row),
-      .edge_o      (row_edge),
+      .a_edge_o    (smoothed_edge),
+      .b_edge_o    (curved_edge),
       .beyond_old_o(row_old),
       .beyond_new_o(row_new)
   );
 
   // The bias -1 turns "sum > 0" into "sum - 1 >= 0", which is the sum's sign bit.
-  logic [SumH-1:0] curved[1], smooth[1];
+  logic [SumH-1:0] term_a, term_b;
   slog_fir #(
       .Radius (Radius),
-      .DataW  (17),
-      .Signed (1'b1),
+      .DataW  (18),
+      .Row    (1'b1),
       .Kernels(1),
       .SumW   (SumH),
       .Bias   (-1)
-  ) u_curved (
+  ) u_smoothed (
       .clk_i,
       .rst_i,
+      .move_i      (row_move),
       .valid_i     (row_valid),
-      .window_i    (row[0]),
-      .edge_i      (row_edge[0]),
+      .window_i    (smoothed_new),
+      .edge_i      (smoothed_edge),
       .beyond_old_i(row_old),
       .beyond_new_i(row_new),
       .coef_i      (g2_i),
-      .sum_o       (curved)
+      .sum_o       (term_a)
   );
   slog_fir #(
       .Radius (Radius),
-      .DataW  (17),
-      .Signed (1'b1),
+      .DataW  (18),
+      .Row    (1'b1),
       .Kernels(1),
       .SumW   (SumH),
       .Bias   (0)
-  ) u_smooth (
+  ) u_curved (
       .clk_i,
       .rst_i,
+      .move_i      (row_move),
       .valid_i     (row_valid),
-      .window_i    (row[1]),
-      .edge_i      (row_edge[1]),
+      .window_i    (curved_new),
+      .edge_i      (curved_edge),
       .beyond_old_i(row_old),
       .beyond_new_i(row_new),
       .coef_i      (g_i),
-      .sum_o       (smooth)
+      .sum_o       (term_b)
   );
 
   logic            bit_q;
   logic [SumH-1:0] response_less_1;
-  assign response_less_1 = curved[0] + smooth[0];
+  assign response_less_1 = term_a + term_b;
   always_ff @(posedge clk_i) begin
     if (live_q[Latency-2]) bit_q <= !response_less_1[SumH-1];
   end
