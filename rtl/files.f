@@ -1,4 +1,5 @@
 slog_pkg.sv
+slog_array_pkg.sv
 slog_peak_pkg.sv
 slog_store_pkg.sv
 slog_fetch_pkg.sv
@@ -14,6 +15,14 @@ slog_job_plan.sv
 slog_fetch.sv
 slog_walker.sv
 slog_sequencer.sv
+slog_search_ring.sv
+slog_operands.sv
+slog_lanes.sv
+slog_add_halves.sv
+slog_popcount.sv
+slog_accumulator.sv
+slog_emit.sv
+slog_array.sv
 slog_ram_fifo.sv
 slog_running_max.sv
 slog_peak_room.sv

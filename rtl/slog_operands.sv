@@ -1,0 +1,148 @@
+// Holds the operands of the correlator array, two templates and a ring of search rows, and reads a row of both per clock.
+//
+//   tpl_a = template row s, tpl_b = template row s+1, s = 2*tpl_step; search rows ring_row and the next    (paired)
+//   tpl_a = low, tpl_b = high word of template row tpl_step; search row ring_row, its low and high part    (wide)
+//
+// Stage   registers            valid after the clock of step_i
+//   1-3   tpl_addr_q .. q3     1 .. 3: the templates need less time than the search rows
+//   5     template RAM output  5
+//   6     tpl_*_o, search_*_o, valid_o .. lanes_o, move_o    6 = slog_array_pkg::OperandLatency
+//
+// Throughput : one step and one written word per clock.
+// Formats    : bit 0 is leftmost; search rows start at unit step_i.chunk of the ring row (units of GroupBits/2 bits).
+// Rules      : both groups are 0 while valid_o is low, group B also when its row is not there (row_b low). A word can be
+//              read from slog_array_pkg::WriteLatency after its wr_valid_i on, and may be written again
+//              slog_array_pkg::ReuseClocks after the last step that reads it.
+// move_o stays high for slog_array_pkg::hold_clocks after valid_o, then, with HoldIdle, lets the array stand still.
+`include "slog_assert.svh"
+module slog_operands #(
+    parameter  int unsigned GroupBits   = 8,
+    parameter  int unsigned Lanes       = GroupBits / 2 + 1,
+    parameter  int unsigned RingRows    = 32,
+    parameter  int unsigned WordsPerRow = 6,
+    parameter  bit          HoldIdle    = 1'b1,
+    localparam int unsigned SearchBits  = GroupBits + Lanes - 1,
+    localparam int unsigned LaneW       = $clog2(Lanes + 1)
+) (
+    input  logic                  clk_i,
+    input  logic                  rst_i,
+    input  logic                  wr_valid_i,
+    input  logic                  wr_tpl_i,
+    input  logic                  wr_wide_i,
+    input  logic                  wr_bank_i,
+    input  logic [7:0]            wr_row_i,
+    input  logic [3:0]            wr_word_i,
+    input  logic [GroupBits-1:0]  wr_data_i,
+    input  slog_pkg::step_t       step_i,
+    output logic                  move_o,
+    output logic                  valid_o,
+    output logic                  first_o,
+    output logic                  last_o,
+    output logic                  row_b_o,
+    output logic [LaneW-1:0]      lanes_o,
+    output logic [GroupBits-1:0]  tpl_a_o,
+    output logic [GroupBits-1:0]  tpl_b_o,
+    output logic [SearchBits-1:0] search_a_o,
+    output logic [SearchBits-1:0] search_b_o
+);
+  localparam int unsigned StepW      = $clog2(2 * GroupBits);
+  localparam int unsigned RingW      = $clog2(RingRows);
+  localparam int unsigned HoldClocks = slog_array_pkg::hold_clocks(GroupBits, Lanes);
+  localparam int unsigned HoldW      = $clog2(HoldClocks + 1);
+
+  `SLOG_ASSERT_INIT(SlogOperandsLanes, 2 * (Lanes - 1) == GroupBits)
+  `SLOG_ASSERT_INIT(SlogOperandsRing, 2 ** RingW == RingRows && RingW <= 8 && WordsPerRow <= 16)
+
+  logic keep_a, keep_b;
+  slog_search_ring #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_search (
+      .clk_i,
+      .wr_valid_i(wr_valid_i && !wr_tpl_i),
+      .wr_row_i  (wr_row_i[RingW-1:0]),
+      .wr_word_i,
+      .wr_data_i,
+      .read_i    (step_i.valid),
+      .wide_i    (step_i.wide),
+      .row_i     (step_i.ring_row[RingW-1:0]),
+      .chunk_i   (step_i.chunk),
+      .keep_a_i  (keep_a),
+      .keep_b_i  (keep_b),
+      .a_o       (search_a_o),
+      .b_o       (search_b_o)
+  );
+
+  // What travels with the operands, and the templates' addresses.
+  typedef struct packed {
+    logic             valid;
+    logic             first;
+    logic             last;
+    logic             row_b;
+    logic [LaneW-1:0] lanes;
+  } control_t;
+  control_t control_q, control_q2, control_q3, control_q4, control_q5, control_q6;
+  logic [StepW:0] tpl_addr_q, tpl_addr_q2, tpl_addr_q3;
+
+  always_ff @(posedge clk_i) begin
+    control_q  <= '{valid: step_i.valid && !rst_i, first: step_i.first, last: step_i.last, row_b: step_i.row_b,
+                    lanes: step_i.lanes[LaneW-1:0]};
+    control_q2 <= control_q;
+    control_q3 <= control_q2;
+    control_q4 <= control_q3;
+    control_q5 <= control_q4;
+    control_q6 <= control_q5;
+    if (rst_i) begin
+      control_q2.valid <= 1'b0;
+      control_q3.valid <= 1'b0;
+      control_q4.valid <= 1'b0;
+      control_q5.valid <= 1'b0;
+      control_q6.valid <= 1'b0;
+    end
+    tpl_addr_q  <= {step_i.bank, step_i.tpl_step[StepW-1:0]};
+    tpl_addr_q2 <= tpl_addr_q;
+    tpl_addr_q3 <= tpl_addr_q2;
+  end
+
+  logic                 wr_tpl_a_q, wr_tpl_b_q;
+  logic [StepW:0]       wr_addr_q;
+  logic [GroupBits-1:0] wr_data_q, tpl_a, tpl_b;
+  always_ff @(posedge clk_i) begin
+    wr_tpl_a_q <= wr_valid_i && wr_tpl_i && !(wr_wide_i ? wr_word_i[0] : wr_row_i[0]);
+    wr_tpl_b_q <= wr_valid_i && wr_tpl_i && (wr_wide_i ? wr_word_i[0] : wr_row_i[0]);
+    wr_addr_q  <= {wr_bank_i, wr_wide_i ? wr_row_i[StepW-1:0] : StepW'(wr_row_i[StepW-1:1])};
+    wr_data_q  <= wr_data_i;
+  end
+
+  slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_a (
+      .clk_i, .wr_en_i(wr_tpl_a_q), .wr_addr_i(wr_addr_q), .wr_data_i(wr_data_q),
+      .rd_en_i(control_q3.valid), .rd_addr_i(tpl_addr_q3), .rd_data_o(tpl_a)
+  );
+  slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_b (
+      .clk_i, .wr_en_i(wr_tpl_b_q), .wr_addr_i(wr_addr_q), .wr_data_i(wr_data_q),
+      .rd_en_i(control_q3.valid), .rd_addr_i(tpl_addr_q3), .rd_data_o(tpl_b)
+  );
+  always_ff @(posedge clk_i) begin
+    tpl_a_o <= keep_a ? tpl_a : '0;
+    tpl_b_o <= keep_b ? tpl_b : '0;
+  end
+
+  logic [HoldW-1:0] hold_q;
+  logic             move_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      hold_q <= HoldW'(HoldClocks);
+      move_q <= 1'b1;
+    end else begin
+      move_q <= control_q5.valid || hold_q != '0 || !HoldIdle;
+      if (control_q5.valid) hold_q <= HoldW'(HoldClocks);
+      else if (hold_q != '0) hold_q <= hold_q - 1'b1;
+    end
+  end
+
+  assign keep_a  = control_q5.valid;
+  assign keep_b  = control_q5.valid && control_q5.row_b;
+  assign move_o  = move_q;
+  assign valid_o = control_q6.valid;
+  assign first_o = control_q6.first;
+  assign last_o  = control_q6.last;
+  assign row_b_o = control_q6.row_b;
+  assign lanes_o = control_q6.lanes;
+endmodule : slog_operands
