@@ -209,6 +209,7 @@ module slog_peak
   end
 
   `SLOG_ASSERT(SlogPeakScoreGranted, !mismatch_valid_i || queue_room)
+  `SLOG_ASSERT(SlogPeakColumns, (read == '0 || 32'(read_x) < MaxOffsets) && (!score_valid || 32'(score_x) < MaxOffsets))
   `SLOG_ASSERT(SlogPeakSurfaceRoom, !surf_valid || surf_room)
   `SLOG_ASSERT(SlogPeakRowRoom, (!(row_valid && row_ready) || begun_room) && (!max_valid || top_room))
   `SLOG_ASSERT(SlogPeakTopThere, !top_ready || top_valid)

@@ -2,9 +2,10 @@
 //
 //   0  address to the banks     2  bank data     3  rows in order, columns named: near_*
 //   4  above > below            5  greater       6  greater > middle     7  greater, 0 near the best     10 far_valid_o
-// Latency    : column 0 is read one clock after the order is taken; near_* three clocks after a column's read; far_*
-//              ten clocks after the last column's read.
-// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks and never pauses.
+// Latency    : column 0 is read one clock after the order is taken, an only column two; near_* three clocks after a
+//              column's read; far_* ten clocks after the last column's read.
+// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, at least two (so that far_*
+//              come at most in every other clock), and never pauses.
 // Formats    : scores as maybe_t; far_o is 0 where nothing is outside the neighbourhood.
 `include "slog_assert.svh"
 module slog_peak_scan
@@ -52,7 +53,7 @@ module slog_peak_scan
   } column_t;
 
   // Stage 0.
-  logic busy_q, first_q, last_q, take;
+  logic busy_q, wait_q, first_q, last_q, reading, take;  // wait_q: the clock before an only column
   logic [9:0] x_q, left_q;
   logic [10:0] west_q, east_q;  // columns beside the best; 11 bits, so that -1 is no column
   logic [9:0] centre_q;
@@ -62,7 +63,8 @@ module slog_peak_scan
   assign order_ready_o = !busy_q || last_q;
   assign take          = order_valid_i && order_ready_o;
   assign next_bank     = {bank_q[Banks-2:0], bank_q[Banks-1]};
-  assign read_o        = busy_q ? read_q : '0;
+  assign reading       = busy_q && !wait_q;
+  assign read_o        = reading ? read_q : '0;
   assign read_x_o      = x_q;
 
   always_ff @(posedge clk_i) begin
@@ -87,12 +89,16 @@ module slog_peak_scan
       west_q     <= 11'(order_i.best_x) - 11'd1;
       east_q     <= 11'(order_i.best_x) + 11'd1;
       first_q    <= 1'b1;
-      last_q     <= order_i.last_x == '0;
+      last_q     <= 1'b0;
+      wait_q     <= order_i.last_x == '0;
       x_q        <= '0;
       left_q     <= order_i.last_x;
       read_q     <= (next_bank & {Banks{order_i.middle}})
                   | ({next_bank[0], next_bank[Banks-1:1]} & {Banks{order_i.above}})
                   | ({next_bank[Banks-2:0], next_bank[Banks-1]} & {Banks{order_i.below}});
+    end else if (wait_q) begin
+      wait_q  <= 1'b0;
+      last_q  <= 1'b1;
     end else if (busy_q) begin
       first_q <= 1'b0;
       last_q  <= left_q == 10'd1;
@@ -106,11 +112,11 @@ module slog_peak_scan
   column_t s1_q, s2_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
-    else valid_q <= {valid_q[6:1], busy_q};
+    else valid_q <= {valid_q[6:1], reading};
   end
 
   always_ff @(posedge clk_i) begin
-    if (busy_q) begin
+    if (reading) begin
       s1_q <= '{first: first_q, last: last_q, fresh: fresh_q, job_end: job_last_q && last_q,
                 west: 11'(x_q) == west_q, centre: x_q == centre_q, east: 11'(x_q) == east_q,
                 above: above_q, middle: middle_q, below: below_q, bank: bank_q};

@@ -1,0 +1,168 @@
+"""Cycle model of `slog_peak`: its parts wired together."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from golden.cycle_peak_parts import (
+    ROW,
+    SCAN,
+    VERDICT,
+    BestModel,
+    CollectModel,
+    IntakeModel,
+    Outputs,
+    RoomModel,
+    RowsModel,
+    ScanModel,
+)
+from golden.cycle_ram import RamModel
+from golden.cycle_ram_fifo import RamFifoModel
+from golden.cycle_running_max import RunningMaxModel
+from golden.params import NO_SCORE, SCORE_BITS
+from golden.structs import RESULT
+
+BANKS = 4
+CONTEXT_DEPTH = 16
+SURFACE_DEPTH = 8
+SURFACE_ROOM = 4
+
+
+def known(value: int | None) -> int:
+    """A value that a valid partner says is defined, or anything else as 0."""
+    return value or 0
+
+
+class PeakModel:
+    """Peak unit. `surf_tdata_o`, `surf_tuser_o`, `surf_tlast_o` and `res_o` are undefined while not offered."""
+
+    INPUTS = ("rst_i", "ctx_valid_i", "ctx_i", "row_valid_i", "row_offsets_i", "mismatch_valid_i", "mismatch_i",
+              "surf_tready_i", "res_ready_i")
+    OUTPUTS = ("ctx_ready_o", "row_ready_o", "surf_tvalid_o", "surf_tdata_o", "surf_tuser_o", "surf_tlast_o",
+               "res_valid_o", "res_o", "res_level_o")
+
+    def __init__(self, max_offsets: int, score_depth: int, result_depth: int) -> None:
+        self.result_depth = result_depth
+        self.queue = RamFifoModel(score_depth)
+        self.room = RoomModel(score_depth, max_offsets)
+        self.rows, self.intake, self.row_max = RowsModel(), IntakeModel(BANKS), RunningMaxModel()
+        self.best, self.scan, self.collect = BestModel(), ScanModel(BANKS), CollectModel()
+        self.banks = [RamModel() for _ in range(BANKS)]
+        self.around, self.verdict = RamFifoModel(result_depth), RamFifoModel(result_depth)
+        self.clear()
+
+    def clear(self) -> None:
+        """Empty the queues between the parts."""
+        self.contexts: deque[int] = deque()
+        self.surface: deque[tuple[int, int, int]] = deque()
+        self.begun: deque[int] = deque()
+        self.tops: deque[tuple[int, int]] = deque()
+        self.outcomes: deque[int] = deque()
+        self.kept, self.has_room, self.surf_ok = 0, 0, 0
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        rst = i["rst_i"]
+        surf = self.surface[0] if self.surface else None
+        offered = bool(self.verdict.front and self.around.front)
+        popped = int(offered and i["res_ready_i"])
+        out: dict[str, int | None] = {
+            "ctx_ready_o": int(len(self.contexts) < CONTEXT_DEPTH), "surf_tvalid_o": int(surf is not None),
+            "surf_tlast_o": surf[0] if surf else None, "surf_tuser_o": surf[1] if surf else None,
+            "surf_tdata_o": surf[2] if surf else None, "res_valid_o": int(offered),
+            "res_o": self.result() if offered else None, "res_level_o": self.verdict.level}
+
+        best, scan = self.search(rst)
+        collected = self.gather(rst, scan)
+        for queue, name in ((self.around, "around"), (self.verdict, "verdict")):
+            queue.step({"rst_i": rst, "in_valid_i": known(collected[f"{name}_valid_o"]), "out_ready_i": popped,
+                        "in_data_i": known(collected[f"{name}_o"])})
+        ordered = best["order_valid_o"] and scan["order_ready_o"]
+        self.has_room = int(self.kept < self.result_depth)
+        self.kept += int(ordered and SCAN.unpack(known(best["order_o"]))["last"]) - popped
+
+        intake, row = self.take_in(i, out, known(best["released_o"]))
+        self.put_away(intake, scan)
+
+        # Queues between the parts: a word pushed now is seen from the next clock on.
+        room = len(self.surface)
+        if surf and i["surf_tready_i"]:
+            self.surface.popleft()
+        if intake["surf_valid_o"]:
+            self.surface.append((known(intake["surf_last_o"]), known(intake["surf_first_o"]), known(intake["score_o"])))
+        self.surf_ok = int(room <= SURFACE_DEPTH - SURFACE_ROOM)
+        if best["row_ready_o"]:
+            self.begun.popleft()
+        if best["top_ready_o"]:
+            self.tops.popleft()
+        if row is not None:
+            self.begun.append(row)
+        top = self.row_max.step({"rst_i": rst, "in_valid_i": known(intake["score_valid_o"]),
+                                 "in_first_i": known(intake["score_first_o"]),
+                                 "in_last_i": known(intake["score_last_o"]),
+                                 "in_value_i": known(intake["score_o"]), "in_index_i": known(intake["score_x_o"])})
+        if top["out_valid_o"]:
+            self.tops.append((known(top["out_value_o"]), known(top["out_index_o"])))
+        if scan["far_valid_o"]:
+            self.outcomes.popleft()
+        if ordered:
+            self.outcomes.append(known(best["outcome_o"]))
+        if rst:
+            self.clear()
+        return out
+
+    def result(self) -> int:
+        """The front result, packed."""
+        verdict = VERDICT.unpack(self.verdict.front[0])
+        around = self.around.front[0]
+        return RESULT.pack({**verdict, **{f"neighbour{k}": around >> k * SCORE_BITS & NO_SCORE for k in range(8)}})
+
+    def search(self, rst: int) -> tuple[Outputs, Outputs]:
+        """Outputs of the decision on rows and of the scan."""
+        score, x = self.tops[0] if self.tops else (0, 0)
+        best = self.best.step({
+            "rst_i": rst, "row_valid_i": int(bool(self.begun)), "row_i": self.begun[0] if self.begun else 0,
+            "top_level_i": len(self.tops), "top_score_i": score, "top_x_i": x, "room_i": self.has_room,
+            "order_ready_i": int(self.scan.ready)})
+        data = sum(known(bank.out) << b * SCORE_BITS for b, bank in enumerate(self.banks))
+        scan = self.scan.step({"rst_i": rst, "order_valid_i": known(best["order_valid_o"]),
+                               "order_i": known(best["order_o"]), "data_i": data})
+        return best, scan
+
+    def gather(self, rst: int, scan: Outputs) -> Outputs:
+        """Outputs of the collection of neighbours and runner-up."""
+        near = {name.replace("_o", "_i"): known(scan[name]) for name in (*ScanModel.NEAR, "near_valid_o", "near_end_o",
+                                                                        "far_valid_o", "far_o")}
+        return self.collect.step({"rst_i": rst, **near, "outcome_i": self.outcomes[0] if self.outcomes else 0})
+
+    def take_in(self, i: dict[str, int], out: Outputs, released: int) -> tuple[Outputs, int | None]:
+        """Outputs of the intake, and the row it begins."""
+        rst = i["rst_i"]
+        row, scoring = self.rows.rows[0] if self.rows.rows else None, known(self.rows.scoring)
+        fields = ROW.unpack(row or 0)
+        queued = self.queue.front[0] if self.queue.front else None
+        intake = self.intake.step({
+            "rst_i": rst, "row_valid_i": int(row is not None), "row_refused_i": int(fields["status"] != 0),
+            "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
+            "scoring_i": scoring, "released_i": released, "mismatch_valid_i": int(queued is not None),
+            "mismatch_i": known(queued), "surf_ok_i": self.surf_ok})
+        rows = self.rows.step({"rst_i": rst, "ctx_valid_i": int(bool(self.contexts)),
+                               "ctx_i": self.contexts[0] if self.contexts else 0,
+                               "row_ready_i": known(intake["row_ready_o"])})
+        if rows["ctx_ready_o"] and self.contexts:
+            self.contexts.popleft()
+        if i["ctx_valid_i"] and out["ctx_ready_o"]:
+            self.contexts.append(i["ctx_i"])
+        taken = int(queued is not None and bool(intake["mismatch_ready_o"]))
+        out.update(self.room.step({"rst_i": rst, "row_valid_i": i["row_valid_i"], "row_offsets_i": i["row_offsets_i"],
+                                   "taken_i": taken}))
+        self.queue.step({"rst_i": rst, "in_valid_i": i["mismatch_valid_i"], "in_data_i": i["mismatch_i"],
+                         "out_ready_i": known(intake["mismatch_ready_o"])})
+        return intake, row if intake["row_ready_o"] else None
+
+    def put_away(self, intake: Outputs, scan: Outputs) -> None:
+        """Writes and reads of the row banks."""
+        for b, bank in enumerate(self.banks):
+            bank.step({"wr_en_i": known(intake["bank_o"]) >> b & 1, "wr_addr_i": known(intake["score_x_o"]),
+                       "wr_data_i": known(intake["score_o"]), "rd_en_i": known(scan["read_o"]) >> b & 1,
+                       "rd_addr_i": known(scan["read_x_o"])})

@@ -1,0 +1,54 @@
+"""Cycle model of `slog_ram_fifo`."""
+
+from __future__ import annotations
+
+from collections import deque
+
+OUT_DEPTH = 4
+"""Places of the register queue behind the RAM."""
+
+
+class RamFifoModel:
+    """Queue of `depth` words: RAM, two clocks of reading, a short queue in front. Data is undefined while not offered."""
+
+    INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
+    OUTPUTS = ("in_ready_o", "out_valid_o", "out_data_o", "level_o")
+
+    def __init__(self, depth: int) -> None:
+        self.depth = depth
+        self.clear()
+
+    def clear(self) -> None:
+        """Empty it."""
+        self.stored: deque[int] = deque()
+        self.flying: deque[int | None] = deque([None, None])
+        self.front: deque[int] = deque()
+
+    @property
+    def level(self) -> int:
+        """Words inside."""
+        return len(self.stored) + len(self.front) + sum(w is not None for w in self.flying)
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        level = self.level
+        out: dict[str, int | None] = {
+            "in_ready_o": int(level < self.depth),
+            "out_valid_o": int(bool(self.front)),
+            "out_data_o": self.front[0] if self.front else None,
+            "level_o": level,
+        }
+        if i["rst_i"]:
+            self.clear()
+            return out
+        # A place is spoken for from the read to the pop.
+        read = self.stored and level - len(self.stored) < OUT_DEPTH
+        self.flying.append(self.stored.popleft() if read else None)
+        if self.front and i["out_ready_i"]:
+            self.front.popleft()
+        arrived = self.flying.popleft()
+        if arrived is not None:
+            self.front.append(arrived)
+        if i["in_valid_i"] and out["in_ready_o"]:
+            self.stored.append(i["in_data_i"])
+        return out
