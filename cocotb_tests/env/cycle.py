@@ -15,7 +15,8 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 Inputs = dict[str, int]
-Outputs = Mapping[str, int | None]
+Outputs = Mapping[str, Any]
+"""Values by port name; None where the model leaves them undefined."""
 Stimulus = Generator[Inputs, Outputs, None]
 HISTORY = 8
 
@@ -23,8 +24,11 @@ HISTORY = 8
 class CycleModel(Protocol):
     """`step` returns the outputs of a clock from state and inputs, then takes the clock edge. None = undefined."""
 
-    INPUTS: tuple[str, ...]
-    OUTPUTS: tuple[str, ...]
+    @property
+    def INPUTS(self) -> tuple[str, ...]: ...
+
+    @property
+    def OUTPUTS(self) -> tuple[str, ...]: ...
 
     def step(self, i: Inputs) -> dict[str, int | None]: ...
 

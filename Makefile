@@ -1,0 +1,68 @@
+# The front door. `make` alone lists what there is.
+SHELL      := /bin/sh
+PYTHON     ?= python3
+CONFIG     ?= full
+JOBS       ?= 2
+VENV       := .venv
+PY         := $(VENV)/bin/python
+PIP        := $(PY) -m pip --disable-pip-version-check --quiet
+.DEFAULT_GOAL := help
+
+.PHONY: help
+help: ## This list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+$(VENV)/.installed: requirements.lock pyproject.toml
+	@sim/prerequisites.sh $(PYTHON)
+	@echo "signum: Python packages into $(VENV) (a few minutes the first time)"
+	@test -x $(PY) || $(PYTHON) -m venv $(VENV)
+	@$(PIP) install -r requirements.lock
+	@$(PIP) install --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(VENV)/.synth: requirements-synth.lock $(VENV)/.installed
+	@$(PIP) install -r requirements-synth.lock
+	@touch $@
+
+.PHONY: setup
+setup: $(VENV)/.installed ## Virtual environment with pinned packages, Verilated board; then .venv/bin/signum
+	@$(PY) -m sim.build
+
+.PHONY: demo
+demo: setup ## Simulated flight through the Verilated board: out/demo/report.html
+	@$(VENV)/bin/signum demo --out out/demo
+
+.PHONY: test
+test: setup ## Every test, on two cores (JOBS=n for others)
+	@$(PY) -m pytest -n $(JOBS)
+
+.PHONY: lint
+lint: $(VENV)/.installed ## Python, RTL and generated files, without running anything
+	@$(PY) -m ruff check .
+	@$(PY) -m mypy
+	@$(PY) -m golden.params --check
+	@$(PY) -m sim.regs --check
+	@$(PY) -m sim.lint
+
+.PHONY: synth
+synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny)
+	@$(PY) -m sim.synth --config $(CONFIG)
+
+.PHONY: bench
+bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
+	@$(PY) -m sim.bench
+
+.PHONY: regs
+regs: $(VENV)/.installed ## Regenerate everything made from rtl/slog_csr.rdl and golden/params.py
+	@$(PY) -m golden.params
+	@$(PY) -m sim.regs
+
+.PHONY: lock
+lock: ## Pin the newest packages that pyproject.toml allows (needs uv)
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate pyproject.toml -o requirements.lock
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --extra synth \
+	  -c requirements.lock pyproject.toml -o requirements-synth.lock
+
+.PHONY: clean
+clean: ## Remove what was built or written; the virtual environment stays
+	rm -rf build out
