@@ -25,7 +25,7 @@ module slog_mult (
       a_q <= a_i;
       b_q <= b_i;
     end
-    if (en_i[1]) p_q <= a_q * b_q;
+    if (en_i[1]) p_q <= 36'(longint'(a_q) * longint'(b_q));  // a machine word: simulates faster than 36 bits
     if (en_i[2]) p_q2 <= p_q;
   end
   assign p_o = p_q2;

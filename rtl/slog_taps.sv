@@ -39,14 +39,16 @@ module slog_taps #(
 
   assign move = valid_i || valid_q != '0;
 
-  always_ff @(posedge clk_i) begin
-    if (rst_i) valid_q <= '0;
-    else valid_q <= {valid_q[Latency-2:0], valid_i};
-  end
-
   // The left border passes from the centre on, the right one up to the centre.
   always_ff @(posedge clk_i) begin
-    if (move) begin
+    if (rst_i) begin
+      valid_q <= '0;
+      first_q <= '0;
+      last_q  <= 1'b0;
+      old_q   <= '0;
+      new_q   <= '0;
+    end else if (move) begin
+      valid_q <= {valid_q[Latency-2:0], valid_i};
       first_q <= {first_q[Radius-2:0], valid_i && first_i};
       last_q  <= valid_i && last_i;
       old_q   <= first_q[Radius-1] ? '1 : old_q << 1;

@@ -1,0 +1,264 @@
+"""Cycle models of the LoG data path: `slog_line_buffer`, `slog_fir`, `slog_taps`, `slog_log`."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from golden.log import ROUND_BITS, Coefs
+
+Bits = dict[str, int | None]
+
+
+def pack(values: Sequence[int | None], width: int) -> int | None:
+    """Fields of `width` bits in one word, the first lowest; None if any is undefined."""
+    word = 0
+    for i, v in enumerate(values):
+        if v is None:
+            return None
+        word |= (v & ((1 << width) - 1)) << (i * width)
+    return word
+
+
+def signed(word: int, width: int) -> int:
+    """Two's complement value of the low `width` bits."""
+    word &= (1 << width) - 1
+    return word - (1 << width) if word >> (width - 1) else word
+
+
+def unpack(word: int, width: int, count: int) -> list[int]:
+    """`count` signed fields of `width` bits, the lowest first."""
+    return [signed(word >> (i * width), width) for i in range(count)]
+
+
+def levels(radius: int) -> int:
+    """Levels of pairwise addition of the taps and the bias: clog2(radius + 2)."""
+    return (radius + 1).bit_length()
+
+
+def replace_border(window: Sequence[int | None], edge: int | None, old: int, new: int) -> list[int | None]:
+    """Window (oldest first) with the values past the border replaced; bit d - 1 of `old` / `new`: distance d."""
+    radius = len(window) // 2
+    out = list(window)
+    for d in range(1, radius + 1):
+        if old >> (d - 1) & 1:
+            out[radius - d] = edge
+        if new >> (d - 1) & 1:
+            out[radius + d] = edge
+    return out
+
+
+class LineBufferModel:
+    """A column of the last `2 * radius` lines per pixel, 4 clocks later; outputs keep the last column."""
+
+    INPUTS = ("rst_i", "valid_i", "px_i", "col_i", "bottom_i", "dist_i")
+    OUTPUTS = ("window_o", "edge_o", "beyond_old_o", "beyond_new_o")
+    LATENCY = 4
+
+    def __init__(self, max_width: int, radius: int) -> None:
+        self.radius = radius
+        self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
+        self.pipe: deque[tuple[int, int, Bits] | None] = deque([None] * 3)
+        self.out: Bits = dict.fromkeys(self.OUTPUTS)
+
+    def step(self, i: dict[str, int]) -> Bits:
+        """Outputs of this clock, then the edge."""
+        out = self.out
+        done = self.pipe.pop()
+        if done:
+            self.out = done[2]
+        written = self.pipe[1]
+        if written:
+            self.lines[written[0]].append(written[1])
+        self.pipe.appendleft(self._column(i) if i["valid_i"] else None)
+        if i["rst_i"]:
+            self.pipe = deque([None] * 3)
+        return out
+
+    def _column(self, i: dict[str, int]) -> tuple[int, int, Bits]:
+        r, dist = self.radius, i["dist_i"]
+        window = [*self.lines[i["col_i"]], i["px_i"]]
+        beyond = sum(1 << (d - 1) for d in range(dist + 1, r + 1))
+        # Out of reach the edge is never used, but the multiplexer shows something all the same.
+        edge = window[(r + dist if i["bottom_i"] else r - dist) % (2 * r)]
+        return i["col_i"], i["px_i"], {
+            "window_o": pack(window, 8), "edge_o": edge,
+            "beyond_old_o": 0 if i["bottom_i"] else beyond, "beyond_new_o": beyond if i["bottom_i"] else 0}
+
+
+class FirModel:
+    """Symmetric FIR; `row`: the window is kept here and moves with `move_i`. Sums keep their last value."""
+
+    INPUTS = ("rst_i", "move_i", "valid_i", "window_i", "edge_i", "beyond_old_i", "beyond_new_i", "coef_i")
+    OUTPUTS = ("sum_o",)
+
+    def __init__(self, radius: int, data_bits: int, row: bool, kernels: int, sum_bits: int, bias: int) -> None:
+        self.radius, self.data_bits, self.row = radius, data_bits, row
+        self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
+        self.kept: deque[int | None] = deque([None] * (2 * radius), 2 * radius)
+        self.pipe: deque[tuple[int | None] | None] = deque([None] * (3 + levels(radius)))
+        self.sum: int | None = None
+
+    def step(self, i: dict[str, int]) -> Bits:
+        """Outputs of this clock, then the edge."""
+        out: Bits = {"sum_o": self.sum}
+        done = self.pipe.pop()
+        if done:
+            self.sum = done[0]
+        self.pipe.appendleft((self._sums(i),) if i["valid_i"] else None)
+        if self.row and i["move_i"]:
+            self.kept.append(i["window_i"])
+        if i["rst_i"]:
+            self.pipe = deque([None] * len(self.pipe))
+        return out
+
+    def _sums(self, i: dict[str, int]) -> int | None:
+        r, n = self.radius, self.data_bits
+        given = [i["window_i"] >> (n * k) & ((1 << n) - 1) for k in range(1 if self.row else 2 * r + 1)]
+        window = replace_border([*self.kept, *given] if self.row else given,
+                                i["edge_i"], i["beyond_old_i"], i["beyond_new_i"])
+        sums = []
+        for k in range(self.kernels):
+            half = unpack(i["coef_i"] >> (18 * (r + 1) * k), 18, r + 1)
+            total = self.bias
+            for d in range(r + 1):
+                pair = {r - d, r + d}
+                values = [window[p] for p in pair]
+                if any(v is None for v in values):
+                    return None
+                total += half[d] * signed(sum(v for v in values if v is not None), 18)
+            sums.append(total)
+        return pack(sums, self.sum_bits)
+
+
+@dataclass
+class _Tap:
+    valid: int = 0
+    first: int = 0
+    last: int = 0
+    a: int | None = None
+    b: int | None = None
+
+
+class TapsModel:
+    """Border control of the horizontal filters: where in the shifting window the line's ends are."""
+
+    INPUTS = ("rst_i", "valid_i", "first_i", "last_i", "a_i", "b_i")
+    OUTPUTS = ("move_o", "a_new_o", "b_new_o", "valid_o", "a_edge_o", "b_edge_o", "beyond_old_o", "beyond_new_o")
+
+    def __init__(self, radius: int) -> None:
+        self.radius = radius
+        self.taps = [_Tap() for _ in range(2 * radius)]
+        self.start: tuple[int | None, int | None] = (None, None)
+        self.edge: tuple[int | None, int | None] = (None, None)
+
+    def step(self, i: dict[str, int]) -> Bits:
+        """Outputs of this clock, then the edge."""
+        r, taps = self.radius, self.taps
+        move = int(i["valid_i"] or any(t.valid for t in taps[:r + 1]))
+        old = next((d for d in range(r) if taps[r + d].first), r)  # distance from the centre to the line's first
+        new = next((r - k for k in range(1, r + 1) if taps[k].last), r)
+        out: Bits = {
+            "move_o": move, "a_new_o": taps[0].a, "b_new_o": taps[0].b, "valid_o": taps[r].valid,
+            "a_edge_o": self.edge[0], "b_edge_o": self.edge[1],
+            "beyond_old_o": ((1 << r) - 1) >> old << old, "beyond_new_o": ((1 << r) - 1) >> new << new}
+        if taps[r - 1].first:
+            self.edge = self.start
+        elif taps[0].last:
+            self.edge = (taps[0].a, taps[0].b)
+        if i["valid_i"] and i["first_i"]:
+            self.start = (i["a_i"], i["b_i"])
+        if move:
+            v = i["valid_i"]
+            self.taps = [_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]), *taps[:-1]]
+        if i["rst_i"]:
+            self.taps = [_Tap(a=t.a, b=t.b) for t in self.taps]
+        return out
+
+
+@dataclass
+class _Row:
+    """A line under which an output row is computed: (v, v2) per column so far, None where lines are missing."""
+
+    values: list[tuple[int, int] | None] = field(default_factory=list)
+
+
+class LogModel:
+    """The whole LoG, from the definition: columns when their pixel comes, responses when they are due."""
+
+    INPUTS = ("rst_i", "g_i", "g2_i", "px_valid_i", "px_data_i", "px_col_i", "px_first_i", "px_last_i", "px_out_i",
+              "px_bottom_i", "px_dist_i", "px_live_i", "px_start_i", "px_done_i", "px_abort_i")
+    OUTPUTS = ("bit_valid_o", "bit_o", "bit_last_o", "bit_start_o", "bit_done_o", "bit_abort_o", "busy_o")
+
+    def __init__(self, max_width: int, radius: int) -> None:
+        self.radius = radius
+        self.latency = 14 + radius + 2 * levels(radius)
+        self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
+        self.row = _Row()
+        self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])
+        self.rows: deque[tuple[_Row, int] | None] = deque([None] * self.latency)
+        self.last: deque[int | None] = deque([None] * self.latency)
+        self.bit: int | None = None
+        self.kernels: tuple[Coefs, Coefs] = ((), ())
+        self.coef_words = (-1, -1)
+
+    def step(self, i: dict[str, int]) -> Bits:
+        """Outputs of this clock, then the edge."""
+        r = self.radius
+        due, at, last = self.pipe.pop(), self.rows.pop(), self.last.pop()
+        if due.get("live"):
+            assert at is not None
+            self.bit = self._bit(*at)
+        flags = [p for p in (*self.pipe, due) if p]
+        reach = 8 + levels(r)  # an output line is noticed as such up to the horizontal window
+        out: Bits = {
+            "bit_valid_o": due.get("live", 0), "bit_o": self.bit, "bit_last_o": last,
+            "bit_start_o": due.get("start", 0), "bit_done_o": due.get("done", 0), "bit_abort_o": due.get("abort", 0),
+            "busy_o": int(any(p["live"] or p["abort"] for p in flags) or
+                          any(p["out"] for p in [*self.pipe, due][:reach] if p))}
+        if (i["g_i"], i["g2_i"]) != self.coef_words:
+            self.coef_words = (i["g_i"], i["g2_i"])
+            self.kernels = (tuple(unpack(i["g_i"], 18, r + 1)), tuple(unpack(i["g2_i"], 18, r + 1)))
+        self.rows.appendleft(self._take(i))
+        self.last.appendleft(i["px_last_i"])
+        self.pipe.appendleft({
+            "out": i["px_valid_i"] & i["px_out_i"], "live": i["px_live_i"], "start": i["px_start_i"],
+            "done": i["px_done_i"], "abort": i["px_abort_i"]})
+        if i["rst_i"]:
+            self.pipe = deque([{} for _ in range(self.latency)])
+        return out
+
+    def _take(self, i: dict[str, int]) -> tuple[_Row, int] | None:
+        if not i["px_valid_i"]:
+            return None
+        column = self.lines[i["px_col_i"]]
+        window = [*column, i["px_data_i"]]
+        column.append(i["px_data_i"])
+        if not i["px_out_i"]:
+            return None
+        if i["px_first_i"]:
+            self.row = _Row()
+        r, dist = self.radius, i["px_dist_i"]
+        known: list[int] = []
+        for d in range(-r, r + 1):
+            px = window[r + (min(d, dist) if i["px_bottom_i"] else max(d, -dist))]
+            if px is None:
+                self.row.values.append(None)
+                break
+            known.append(px)
+        else:
+            v, v2 = (sum(half[abs(k - r)] * px for k, px in enumerate(known)) for half in self.kernels)
+            half_unit = 1 << (ROUND_BITS - 1)
+            self.row.values.append(((v + half_unit) >> ROUND_BITS, (v2 + half_unit) >> ROUND_BITS))
+        return self.row, len(self.row.values) - 1
+
+    def _bit(self, row: _Row, x: int) -> int | None:
+        g, g2 = self.kernels
+        total = 0
+        for d in range(-self.radius, self.radius + 1):
+            pair = row.values[min(max(x + d, 0), len(row.values) - 1)]
+            if pair is None:
+                return None
+            total += g2[abs(d)] * pair[0] + g[abs(d)] * pair[1]
+        return int(total > 0)
