@@ -57,7 +57,8 @@ async def surface_stalled(dut, shape: str) -> None:
 @cocotb.parametrize(shape=SHAPES[1:])
 async def gaps_between_scores(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 2)
-    await run(dut, PeakTraffic(mixed_tasks(rng, 20, params()["MaxOffsets"]), rng, scores=willing(shape, rng), latency=3))
+    tasks = mixed_tasks(rng, 20, params()["MaxOffsets"])
+    await run(dut, PeakTraffic(tasks, rng, scores=willing(shape, rng), latency=3))
 
 
 @cocotb.test()

@@ -9,7 +9,7 @@ from golden.structs import pack_job, unpack_job
 
 
 class GridModel:
-    """Offers the jobs of one command after another; a count of 0 is taken as 1. The job is undefined while not valid."""
+    """Offers the jobs of one command after another; a count of 0 is taken as 1. Undefined while not valid."""
 
     INPUTS = ("rst_i", "job_valid_i", "job_i", "count_x_i", "count_y_i", "step_x_i", "step_y_i", "job_ready_i")
     OUTPUTS = ("job_ready_o", "job_valid_o", "job_o")

@@ -77,7 +77,7 @@ class PeakModel:
         for queue, name in ((self.around, "around"), (self.verdict, "verdict")):
             queue.step({"rst_i": rst, "in_valid_i": known(collected[f"{name}_valid_o"]), "out_ready_i": popped,
                         "in_data_i": known(collected[f"{name}_o"])})
-        ordered = best["order_valid_o"] and scan["order_ready_o"]
+        ordered = bool(best["order_valid_o"] and scan["order_ready_o"])
         self.has_room = int(self.kept < self.result_depth)
         self.kept += int(ordered and SCAN.unpack(known(best["order_o"]))["last"]) - popped
 

@@ -161,7 +161,8 @@ class BestModel:
         """Order and outcome of the row."""
         row, tops = self.row, self.tops
         if row["status"] != Status.OK:
-            return (SCAN.pack({"fresh": 1, "last": 1, "above": 0, "middle": 0, "below": 0, "last_x": 0, "best_x": 0}),
+            return (SCAN.pack({"fresh": 1, "last": row["last"], "above": 0, "middle": 0, "below": not row["last"],
+                               "last_x": 0, "best_x": tops[-1][1]}),
                     OUTCOME.pack({**row, "fresh": 1, "other": 0, "best_x": 0, "best_y": row["y"], "score": 0}))
         scores = [score for score, _ in tops]
         r, best = len(tops) - 1, scores.index(max(scores))
@@ -198,7 +199,7 @@ class BestModel:
 
 
 class ScanModel:
-    """`slog_peak_scan`: columns next to the best three clocks after their read, the best of the others ten after the last."""
+    """`slog_peak_scan`: columns near the best three clocks after their read, the best of all others ten."""
 
     INPUTS = ("rst_i", "order_valid_i", "order_i", "data_i")
     NEAR = ("near_first_o", "near_west_o", "near_centre_o", "near_east_o", "near_above_o", "near_middle_o",
@@ -288,9 +289,9 @@ class CollectModel:
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         verdict = self.verdicts.popleft()
-        out: Outputs = {
-            "around_valid_o": self.ended, "verdict_valid_o": int(verdict is not None), "verdict_o": verdict,
-            "around_o": sum(or_no_score(v) << k * SCORE_BITS for k, v in enumerate(self.around)) if self.ended else None}
+        around = sum(or_no_score(v) << k * SCORE_BITS for k, v in enumerate(self.around))
+        out: Outputs = {"around_valid_o": self.ended, "around_o": around if self.ended else None,
+                        "verdict_valid_o": int(verdict is not None), "verdict_o": verdict}
         self.ended = i["near_end_i"]
         if i["near_valid_i"]:
             if i["near_first_i"]:

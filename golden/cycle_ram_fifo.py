@@ -9,7 +9,7 @@ OUT_DEPTH = 4
 
 
 class RamFifoModel:
-    """Queue of `depth` words: RAM, two clocks of reading, a short queue in front. Data is undefined while not offered."""
+    """Queue of `depth` words: RAM, two clocks of reading, a short queue in front. Data: undefined while not valid."""
 
     INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
     OUTPUTS = ("in_ready_o", "out_valid_o", "out_data_o", "level_o")

@@ -49,15 +49,15 @@ class PeakTask:
         return [(s, int(k == 0), int(k == len(flat) - 1)) for k, s in enumerate(flat)]
 
 
-def random_task(rng: random.Random, cols: int, rows: int, area: int, top: int | None = None, **kwargs: object) -> PeakTask:
+def random_task(rng: random.Random, cols: int, rows: int, area: int, top: int | None = None) -> PeakTask:
     """Scores 0..`top` at random (a small `top` makes ties), in one of several slopes that move the best about."""
     top = area if top is None else min(top, area)
     scores = np.random.default_rng(rng.getrandbits(32)).integers(0, top + 1, (rows, cols))
     slope = rng.choice(("none", "none", "rising", "falling", "across"))
-    ramp = {"none": 0, "rising": np.arange(rows)[:, None], "falling": -np.arange(rows)[:, None],
-            "across": np.arange(cols)[None, :]}[slope]
+    y, x = np.indices(scores.shape)
+    ramp = {"none": 0 * x, "rising": y, "falling": -y, "across": x}[slope]
     return PeakTask(np.clip(scores + ramp, 0, area).astype(np.int32), area, tag=rng.getrandbits(16),
-                    surface=rng.random() < 0.3, **kwargs)  # type: ignore[arg-type]
+                    surface=rng.random() < 0.3)
 
 
 def refused_task(rng: random.Random) -> PeakTask:

@@ -103,7 +103,7 @@ def test_traffic_notices_a_wrong_answer() -> None:
     """The bench itself: a model whose neighbours are swapped fails."""
     rng = random.Random(6)
     model = PeakModel(MAX_OFFSETS, SCORE_DEPTH, RESULT_DEPTH)
-    model.collect.COLUMNS = (("near_west_i", (2, 4, 7)), ("near_centre_i", (1, None, 6)),  # type: ignore[misc]
+    model.collect.COLUMNS = (("near_west_i", (2, 4, 7)), ("near_centre_i", (1, None, 6)),
                              ("near_east_i", (0, 3, 5)))
     with pytest.raises(AssertionError, match="job"):
         drive(PeakTraffic([random_task(rng, 7, 5, AREA) for _ in range(5)], rng, results=repeat(1)), model)
