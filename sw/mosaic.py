@@ -13,7 +13,6 @@ a mosaic of its own, and nothing is placed by guesswork.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,6 +28,7 @@ from sw.geometry import IDENTITY, Similarity
 from sw.register import Prepared, Registrar, Registration
 from sw.scene import Camera, Vehicle
 from sw.sources import Frame, Picture
+from sw.tables import Table
 
 EDGES = "frame_a", "frame_b", "dx_px", "dy_px", "score", "margin", "accepted"
 """Of `edges.csv`: where a's centre lands in b, minus b's centre, original pixels."""
@@ -108,24 +108,6 @@ class Stored:
     place: Similarity
 
 
-class Table:
-    """A CSV file that is good after every row."""
-
-    def __init__(self, path: Path, columns: tuple[str, ...]) -> None:
-        self._file = path.open("w", newline="", encoding="utf-8")
-        self._rows = csv.writer(self._file)
-        self.write(list(columns))
-
-    def write(self, row: list[object] | list[str]) -> None:
-        """Append a row and push it to the disk."""
-        self._rows.writerow(row)
-        self._file.flush()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-
-
 @dataclass
 class Piece:
     """Frames that hang together."""
@@ -199,7 +181,7 @@ class Column:
         reference = self.chain[-1]
         result = self.registrar.register(reference.prepared, prepared, self._predict(), self.settings.reach)
         if not result.accepted and self._last is not None and self._last[0].name != reference.name:
-            self._store(*self._last)  # the view moves faster than the step allows for: chain through the last good frame
+            self._store(*self._last)  # the view moves faster than the step allows: chain through the last good frame
             reference = self.chain[-1]
             result = self.registrar.register(reference.prepared, prepared, IDENTITY, self.settings.reach)
         if not result.accepted:

@@ -26,6 +26,7 @@ from sw.measure import Measurer, Query, Reason, Rules, View
 from sw.sources import Fit, Picture
 
 COARSE_SIDE = 160
+COARSE_LEAST = 64
 COARSE_WINDOW = 32
 COARSE_SIGMA = 1.25
 COARSE_GRID = (7, 6)
@@ -119,6 +120,17 @@ class Registrar:
         self._reference: tuple[Prepared, Similarity, View] | None = None
         size = np.array(fine.source, np.float64)
         self.centre: Points = (size - 1) / 2
+
+    @classmethod
+    def on(cls, measurer: Callable[[tuple[int, int], float], Measurer], fine: Fit, window: int,
+           sigma: float) -> Registrar:
+        """A registrar with the coarse step at its usual size.
+
+        Raises:
+            SourceError: if the pictures are too narrow for it.
+        """
+        longest = max(COARSE_SIDE, math.ceil(COARSE_LEAST * max(fine.source) / min(fine.source)))
+        return cls(measurer, fine, fine.coarser(longest), window, sigma)
 
     def prepare(self, picture: Picture) -> Prepared:
         """A picture for `register`."""

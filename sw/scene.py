@@ -60,9 +60,11 @@ class Camera:
     noise: float = 2.0
     seed: int = 0
     _rng: np.random.Generator = field(init=False, repr=False)
+    _bed: NDArray[np.float32] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._rng = np.random.default_rng(self.seed)
+        self._bed = self.photo.astype(np.float32)
 
     def matrix(self, pose: Pose) -> NDArray[np.float64]:
         """2x3 matrix from pixels of the frame to pixels of the photograph."""
@@ -75,14 +77,10 @@ class Camera:
 
     def look(self, pose: Pose) -> Picture:
         """The frame seen from `pose`: uint8 (height, width). Beyond the photograph's edge its mirror image is seen."""
-        view = cv2.warpAffine(
-            self.photo.astype(np.float32),
-            self.matrix(pose),
-            self.size,
-            flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP,
-            borderMode=cv2.BORDER_REFLECT_101,
-        )
-        view = view + self._rng.normal(0.0, self.noise, view.shape).astype(np.float32)
+        flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
+        view = np.asarray(cv2.warpAffine(self._bed, self.matrix(pose), self.size, flags=flags,
+                                         borderMode=cv2.BORDER_REFLECT_101))
+        view = view + self._rng.normal(0.0, self.noise, view.shape)
         return np.asarray(np.clip(np.rint(view), 0, 255), np.uint8)
 
 

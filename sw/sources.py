@@ -277,8 +277,7 @@ class Fit:
     """Width and height as the board sees it, pixels."""
 
     @classmethod
-    def to(cls, size: tuple[int, int], config: Config, window: int, label: str = "frame",
-           longest: int | None = None) -> Fit:
+    def to(cls, size: tuple[int, int], config: Config, window: int, label: str = "frame") -> Fit:
         """The fit of `size` (width, height) to a board.
 
         Args:
@@ -286,15 +285,12 @@ class Fit:
             config: the board's build.
             window: side of the correlation window, pixels of the board's image, which must fit in.
             label: what to call the frame in the error.
-            longest: wanted longer side on the board, pixels, where a coarser picture will do.
 
         Raises:
             SourceError: if the frame is too small for the window or for the board.
         """
         width, height = size
         scale = min(1.0, config.max_width / width, config.max_height / height)
-        if longest is not None:
-            scale = min(scale, longest / max(size))
         board = (max(1, round(width * scale)), max(1, round(height * scale)))
         least = max(window, config.min_image)
         if min(board) < least:
@@ -304,6 +300,11 @@ class Fit:
             raise SourceError(f"{label}: {_by(size)} pixels{seen} is smaller than the {_by((least, least))} window: "
                               f"{remedy}")
         return cls(size, board)
+
+    def coarser(self, longest: int) -> Fit:
+        """The same frames with a longer side of at most `longest` pixels on the board."""
+        scale = min(1.0, longest / max(self.board))
+        return Fit(self.source, (max(1, round(self.board[0] * scale)), max(1, round(self.board[1] * scale))))
 
     @property
     def factor(self) -> tuple[float, float]:
