@@ -9,7 +9,7 @@ class ArrayModel:
     """Counts each lane's mismatches as the operands come in and schedules the pass's scores.
 
     Time stands still for the whole array while `move_i` is low. `mismatch_o` is undefined until what a reset left in
-    the data path has drained, unless a score is due.
+    the data path has drained, unless a score is due; so is a score of a pass whose start a reset swallowed.
     """
 
     INPUTS = ("rst_i", "move_i", "mask_i", "valid_i", "first_i", "last_i", "lanes_i", "tpl_a_i", "tpl_b_i",
@@ -22,8 +22,8 @@ class ArrayModel:
         self.flush = score_bits(group_bits) + 4
         self.now = 0  # clocks the array has moved
         self.clean = self.flush  # time from which idle outputs are known
-        self.due: dict[int, int] = {}  # time -> mismatch
-        self.counts = [0] * lanes
+        self.due: dict[int, int | None] = {}  # time -> mismatch
+        self.counts: list[int | None] = [None] * lanes
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge.
@@ -37,6 +37,7 @@ class ArrayModel:
             "mismatch_o": self.due.get(self.now, 0 if self.now >= self.clean else None)}
         if i["rst_i"]:
             self.due.clear()
+            self.counts = [None] * self.lanes
             self.clean = self.now + 1 + self.flush
         elif i["move_i"] and i["valid_i"]:
             self._count(i)
@@ -52,7 +53,8 @@ class ArrayModel:
         for k in range(self.lanes):
             count = (((i["tpl_a_i"] ^ i["search_a_i"] >> k) & mask_a).bit_count()
                      + ((i["tpl_b_i"] ^ i["search_b_i"] >> k) & mask_b).bit_count())
-            self.counts[k] = count + (0 if i["first_i"] else self.counts[k])
+            before = 0 if i["first_i"] else self.counts[k]
+            self.counts[k] = None if before is None else before + count
         if i["last_i"]:
             for k in range(i["lanes_i"]):
                 time = self.now + self.latency + k

@@ -23,6 +23,7 @@ class OperandsModel:
     def __init__(self, group_bits: int, ring_rows: int, hold_idle: bool = True) -> None:
         self.group_bits, self.pitch, self.ring_rows = group_bits, group_bits // 2, ring_rows
         self.hold_idle = hold_idle
+        self.lane_mask = (1 << (self.pitch + 1).bit_length()) - 1
         self.hold_clocks = hold_clocks(group_bits, self.pitch + 1)
         self.tpl: dict[tuple[int, int, int], int] = {}  # (bank, group, step) -> word
         self.ring: dict[tuple[int, int], int] = {}  # (row, word) -> word
@@ -60,7 +61,8 @@ class OperandsModel:
             self.tpl[i["wr_bank_i"], row & 1, row >> 1] = data
 
     def _operands(self, s: dict[str, int]) -> dict[str, int | None]:
-        operands: dict[str, int | None] = {name: s[name] for name in ("valid", "first", "last", "row_b", "lanes")}
+        operands: dict[str, int | None] = {name: s[name] for name in ("valid", "first", "last", "row_b")}
+        operands["lanes"] = s["lanes"] & self.lane_mask
         if s["valid"]:
             row_b = s["ring_row"] if s["wide"] else (s["ring_row"] + 1) % self.ring_rows
             operands |= {
