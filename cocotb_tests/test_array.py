@@ -11,7 +11,8 @@ ARRAY = ["rtl/slog_lanes.sv", "rtl/slog_add_halves.sv", "rtl/slog_popcount.sv", 
 OPERANDS = ["rtl/slog_ram.sv", "rtl/slog_search_ring.sv", "rtl/slog_operands.sv"]
 
 
-@pytest.mark.parametrize(("group_bits", "lanes"), [(TINY.group_bits, TINY.lanes), (4, 8), (FULL.group_bits, FULL.lanes)])
+@pytest.mark.parametrize(("group_bits", "lanes"), [
+    (TINY.group_bits, TINY.lanes), (4, 8), (FULL.group_bits, FULL.lanes)])
 def test_array(group_bits: int, lanes: int) -> None:
     simulate("slog_array", [*PACKAGES, *ARRAY], "cocotb_tests.tb_array", {"GroupBits": group_bits, "Lanes": lanes})
 

@@ -123,7 +123,8 @@ class WindowTraffic:
         self.memory[row] = to_bits(words, self.group_bits)
         for k, word in enumerate(words):
             self.writes.append({"wr_tpl_i": 0, "wr_wide_i": self.rng.getrandbits(1),
-                                "wr_bank_i": self.rng.getrandbits(1), "wr_row_i": row, "wr_word_i": k, "wr_data_i": word})
+                                "wr_bank_i": self.rng.getrandbits(1), "wr_row_i": row, "wr_word_i": k,
+                                "wr_data_i": word})
 
     def _window(self) -> tuple[Bits, bool, int]:
         """Queue a random template for the bank not in use: (bits (height, width), wide, bank)."""
