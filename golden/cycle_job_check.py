@@ -74,7 +74,7 @@ def loads(job: Job, config: Config) -> tuple[Load, Load]:
 
 
 class JobPlanModel:
-    """Undefined from a start until `plan_latency` later, and for jobs that no image of the board can hold."""
+    """Undefined from a start (which brings the next job) until `plan_latency` later, and for jobs that no image of the board can hold."""
 
     INPUTS = ("rst_i", "start_i", "job_i")
     OUTPUTS = ("tpl_o", "search_o")
@@ -87,7 +87,7 @@ class JobPlanModel:
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         c = self.config
-        known = self.answer if self.left <= 1 else None
+        known = self.answer if self.left <= 1 and not i["start_i"] else None
         out: dict[str, int | None] = {"tpl_o": None if known is None else known[0],
                                       "search_o": None if known is None else known[1]}
         if self.left > 1:

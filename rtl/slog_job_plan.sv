@@ -5,8 +5,8 @@
 //   template: bits = width, rows = height; search: bits = width + offsets_x - 1, rows = height + offsets_y - 1
 //   words_in, words_out and rows are less one (load_t). The product is made by shift and add.
 //
-// Latency    : tpl_o and search_o are right from WordsBits + 2 clocks after start_i (at least 4), until the next start_i.
-// Throughput : one job at a time; job_i is stable meanwhile. The plan of a job that is refused means nothing.
+// Latency    : tpl_o and search_o are right from WordsBits + 2 clocks after start_i (at least 4), while job_i stays.
+// Throughput : one job at a time. The plan of a job that is refused means nothing.
 `include "slog_assert.svh"
 module slog_job_plan
   import slog_pkg::*, slog_fetch_pkg::*;
