@@ -40,6 +40,7 @@ slog_taps.sv
 slog_log.sv
 slog_packer.sv
 slog_frontend.sv
+slog_correlator.sv
 slog_capture_channel.sv
 slog_capture.sv
 slog_filter_bank.sv

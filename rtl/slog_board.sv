@@ -4,6 +4,7 @@
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
 // Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
 module slog_board
+  import slog_pkg::*;
   import slog_cfg_pkg::*;
 (
     input  logic                    clk_i,
@@ -39,4 +40,244 @@ module slog_board
     output logic                    surf_tlast_o,
     output logic                    irq_o
 );
+  localparam int unsigned AddrW = $clog2(StoreWords);
+  localparam int unsigned JobLevelW = $clog2(JobDepth + 1);
+  localparam int unsigned ResultLevelW = $clog2(ResultDepth + 1);
+
+  // Front ends
+  logic hold;
+  logic [9:0] width, height;
+  logic [Coefs-1:0][CoefBits-1:0] g, g2;
+  logic [Cameras-1:0] front_busy, accepted, dropped;
+  logic [Cameras-1:0] word_valid, word_last, frame_start, frame_done, frame_abort;
+  logic [Cameras-1:0][GroupBits-1:0] word_data;
+  // Capture and store
+  logic capture_valid, capture_cancel, capture_camera, capture_refused, captured, slots_clear;
+  logic [2:0] capture_slot;
+  logic [7:0] slot_valid, slot_busy;
+  logic [Cameras-1:0] armed, writing;
+  logic wr_valid, rd_valid, peek_valid, peek_ready, peek_done;
+  logic [AddrW-1:0] wr_addr, rd_addr, peek_addr;
+  logic [GroupBits-1:0] wr_data, rd_data, peek_data;
+  // Jobs and results
+  logic command_valid, command_ready, laid_valid, laid_ready, job_valid, job_ready;
+  job_t command, laid, job;
+  logic [9:0] grid_x, grid_y, step_x, step_y;
+  logic [JobLevelW-1:0] job_level;
+  logic result_valid, result_ready, work, score;
+  result_t result;
+  logic [ResultLevelW-1:0] result_level;
+
+  slog_control u_control (
+      .clk_i,
+      .rst_i,
+      .s_axil_awaddr,
+      .s_axil_awprot,
+      .s_axil_awvalid,
+      .s_axil_awready,
+      .s_axil_wdata,
+      .s_axil_wstrb,
+      .s_axil_wvalid,
+      .s_axil_wready,
+      .s_axil_bresp,
+      .s_axil_bvalid,
+      .s_axil_bready,
+      .s_axil_araddr,
+      .s_axil_arprot,
+      .s_axil_arvalid,
+      .s_axil_arready,
+      .s_axil_rdata,
+      .s_axil_rresp,
+      .s_axil_rvalid,
+      .s_axil_rready,
+      .hold_o          (hold),
+      .width_o         (width),
+      .height_o        (height),
+      .g_o             (g),
+      .g2_o            (g2),
+      .active_i        (front_busy),
+      .accepted_i      (accepted),
+      .dropped_i       (dropped),
+      .capture_valid_o (capture_valid),
+      .capture_cancel_o(capture_cancel),
+      .capture_camera_o(capture_camera),
+      .capture_slot_o  (capture_slot),
+      .slots_clear_o   (slots_clear),
+      .slot_valid_i    (slot_valid),
+      .armed_i         (armed),
+      .writing_i       (writing),
+      .refused_i       (capture_refused),
+      .captured_i      (captured),
+      .job_valid_o     (command_valid),
+      .job_ready_i     (command_ready),
+      .job_o           (command),
+      .grid_x_o        (grid_x),
+      .grid_y_o        (grid_y),
+      .step_x_o        (step_x),
+      .step_y_o        (step_y),
+      .job_level_i     (16'(job_level)),
+      .job_busy_i      (work || job_valid || laid_valid),
+      .result_valid_i  (result_valid),
+      .result_ready_o  (result_ready),
+      .result_i        (result),
+      .result_level_i  (16'(result_level)),
+      .work_i          (work),
+      .score_i         (score),
+      .peek_valid_o    (peek_valid),
+      .peek_ready_i    (peek_ready),
+      .peek_addr_o     (peek_addr),
+      .peek_done_i     (peek_done),
+      .peek_data_i     (peek_data),
+      .irq_o
+  );
+
+  for (genvar c = 0; c < Cameras; c++) begin : g_camera
+    slog_frontend #(
+        .MaxWidth,
+        .Radius,
+        .GroupBits
+    ) u_frontend (
+        .clk_i,
+        .rst_i,
+        .tdata_i      (vid_tdata_i[c]),
+        .tvalid_i     (vid_tvalid_i[c]),
+        .tready_o     (vid_tready_o[c]),
+        .tuser_i      (vid_tuser_i[c]),
+        .tlast_i      (vid_tlast_i[c]),
+        .width_i      (width),
+        .height_i     (height),
+        .g_i          (g),
+        .g2_i         (g2),
+        .hold_i       (hold),
+        .busy_o       (front_busy[c]),
+        .word_valid_o (word_valid[c]),
+        .word_data_o  (word_data[c]),
+        .word_last_o  (word_last[c]),
+        .frame_start_o(frame_start[c]),
+        .frame_done_o (frame_done[c]),
+        .frame_abort_o(frame_abort[c]),
+        .accepted_o   (accepted[c]),
+        .dropped_o    (dropped[c])
+    );
+  end
+
+  slog_capture #(
+      .Cameras,
+      .GroupBits,
+      .Slots,
+      .SlotWords,
+      .WordsPerRow
+  ) u_capture (
+      .clk_i,
+      .rst_i,
+      .cmd_valid_i  (capture_valid),
+      .cmd_cancel_i (capture_cancel),
+      .cmd_camera_i (capture_camera),
+      .cmd_slot_i   (capture_slot),
+      .clear_i      (slots_clear),
+      .slot_busy_i  (slot_busy),
+      .word_valid_i (word_valid),
+      .word_data_i  (word_data),
+      .word_last_i  (word_last),
+      .frame_start_i(frame_start),
+      .frame_done_i (frame_done),
+      .frame_abort_i(frame_abort),
+      .wr_valid_o   (wr_valid),
+      .wr_addr_o    (wr_addr),
+      .wr_data_o    (wr_data),
+      .slot_valid_o (slot_valid),
+      .armed_o      (armed),
+      .writing_o    (writing),
+      .refused_o    (capture_refused),
+      .done_o       (captured)
+  );
+
+  slog_store #(
+      .Width(GroupBits),
+      .Words(StoreWords)
+  ) u_store (
+      .clk_i,
+      .rst_i,
+      .wr_valid_i  (wr_valid),
+      .wr_addr_i   (wr_addr),
+      .wr_data_i   (wr_data),
+      .rd_valid_i  (rd_valid),
+      .rd_addr_i   (rd_addr),
+      .rd_data_o   (rd_data),
+      .peek_valid_i(peek_valid),
+      .peek_ready_o(peek_ready),
+      .peek_addr_i (peek_addr),
+      .peek_done_o (peek_done),
+      .peek_data_o (peek_data)
+  );
+
+  slog_grid u_grid (
+      .clk_i,
+      .rst_i,
+      .job_valid_i(command_valid),
+      .job_ready_o(command_ready),
+      .job_i      (command),
+      .count_x_i  (grid_x),
+      .count_y_i  (grid_y),
+      .step_x_i   (step_x),
+      .step_y_i   (step_y),
+      .job_valid_o(laid_valid),
+      .job_ready_i(laid_ready),
+      .job_o      (laid)
+  );
+
+  slog_fifo #(
+      .Width($bits(job_t)),
+      .Depth(JobDepth)
+  ) u_jobs (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (laid_valid),
+      .in_ready_o (laid_ready),
+      .in_data_i  (laid),
+      .out_valid_o(job_valid),
+      .out_ready_i(job_ready),
+      .out_data_o (job),
+      .level_o    (job_level)
+  );
+
+  slog_correlator #(
+      .GroupBits,
+      .Pitch,
+      .Lanes,
+      .ScoreBits,
+      .MaxWidth,
+      .MaxHeight,
+      .WordsPerRow,
+      .Slots,
+      .MinWindow,
+      .MaxWindow,
+      .RingRows,
+      .SurfaceDepth,
+      .ResultDepth
+  ) u_correlator (
+      .clk_i,
+      .rst_i,
+      .job_valid_i   (job_valid),
+      .job_ready_o   (job_ready),
+      .job_i         (job),
+      .image_width_i (width),
+      .image_height_i(height),
+      .slot_valid_i  (slot_valid),
+      .slot_busy_o   (slot_busy),
+      .rd_valid_o    (rd_valid),
+      .rd_addr_o     (rd_addr),
+      .rd_data_i     (rd_data),
+      .surf_tvalid_o,
+      .surf_tready_i,
+      .surf_tdata_o,
+      .surf_tuser_o,
+      .surf_tlast_o,
+      .res_valid_o   (result_valid),
+      .res_ready_i   (result_ready),
+      .res_o         (result),
+      .res_level_o   (result_level),
+      .busy_o        (work),
+      .score_o       (score)
+  );
 endmodule : slog_board

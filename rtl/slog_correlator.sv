@@ -1,0 +1,217 @@
+// The correlator: operands from the store into the array, its scores into the peak unit. Wiring only.
+//
+//   jobs -> slog_fetch -> slog_operands -> slog_array -> slog_peak -> results, surface
+//                 \-> slog_sequencer -/                  /
+//                              \---- contexts, grants --/
+// Latency    : see the blocks.
+// Throughput : one score per clock while a pass's steps are no more than its offsets.
+// Counters   : busy_o is high while a job is being fetched or stepped; score_o once for every score.
+module slog_correlator
+  import slog_pkg::*, slog_fetch_pkg::*;
+#(
+    parameter  int unsigned GroupBits    = 64,
+    parameter  int unsigned Pitch        = 32,
+    parameter  int unsigned Lanes        = 33,
+    parameter  int unsigned ScoreBits    = 15,
+    parameter  int unsigned MaxWidth     = 640,
+    parameter  int unsigned MaxHeight    = 480,
+    parameter  int unsigned WordsPerRow  = 10,
+    parameter  int unsigned Slots        = 6,
+    parameter  int unsigned MinWindow    = 8,
+    parameter  int unsigned MaxWindow    = 128,
+    parameter  int unsigned RingRows     = 256,
+    parameter  int unsigned SurfaceDepth = 1024,
+    parameter  int unsigned ResultDepth  = 64,
+    localparam int unsigned AddrW        = $clog2(Slots * MaxHeight * WordsPerRow),
+    localparam int unsigned ResultLevelW = $clog2(ResultDepth + 1)
+) (
+    input  logic                    clk_i,
+    input  logic                    rst_i,
+    input  logic                    job_valid_i,
+    output logic                    job_ready_o,
+    input  job_t                    job_i,
+    input  logic [9:0]              image_width_i,
+    input  logic [9:0]              image_height_i,
+    input  logic [7:0]              slot_valid_i,
+    output logic [7:0]              slot_busy_o,
+    output logic                    rd_valid_o,
+    output logic [AddrW-1:0]        rd_addr_o,
+    input  logic [GroupBits-1:0]    rd_data_i,
+    output logic                    surf_tvalid_o,
+    input  logic                    surf_tready_i,
+    output logic [15:0]             surf_tdata_o,
+    output logic                    surf_tuser_o,
+    output logic                    surf_tlast_o,
+    output logic                    res_valid_o,
+    input  logic                    res_ready_i,
+    output result_t                 res_o,
+    output logic [ResultLevelW-1:0] res_level_o,
+    output logic                    busy_o,
+    output logic                    score_o
+);
+  localparam int unsigned RowW       = $clog2(RingRows) + 1;
+  localparam int unsigned SearchBits = GroupBits + Lanes - 1;
+  localparam int unsigned LaneW      = $clog2(Lanes + 1);
+
+  logic wr_valid, wr_tpl, wr_wide, wr_bank, fetch_busy, sequencer_busy;
+  logic [7:0] wr_row;
+  logic [3:0] wr_word;
+  logic [GroupBits-1:0] wr_data;
+  logic ticket_valid, ticket_ready, bank_free;
+  ticket_t ticket;
+  logic [1:0] tpl_done;
+  logic [RowW-1:0] rows_written, rows_freed;
+  logic ctx_valid, ctx_ready, row_valid, row_ready;
+  context_t ctx;
+  logic [9:0] row_offsets;
+  step_t step;
+  logic [2*GroupBits-1:0] mask;
+  logic move, valid, first, last;
+  logic [LaneW-1:0] lanes;
+  logic [GroupBits-1:0] tpl_a, tpl_b;
+  logic [SearchBits-1:0] search_a, search_b;
+  logic mismatch_valid;
+  logic [ScoreBits-1:0] mismatch;
+
+  slog_fetch #(
+      .Width(GroupBits),
+      .MaxHeight,
+      .WordsPerRow,
+      .Slots,
+      .MinWindow,
+      .MaxWindow,
+      .RingRows
+  ) u_fetch (
+      .clk_i,
+      .rst_i,
+      .job_valid_i,
+      .job_ready_o,
+      .job_i,
+      .image_width_i,
+      .image_height_i,
+      .slot_valid_i,
+      .slot_busy_o,
+      .rd_valid_o,
+      .rd_addr_o,
+      .rd_data_i,
+      .wr_valid_o    (wr_valid),
+      .wr_tpl_o      (wr_tpl),
+      .wr_wide_o     (wr_wide),
+      .wr_bank_o     (wr_bank),
+      .wr_row_o      (wr_row),
+      .wr_word_o     (wr_word),
+      .wr_data_o     (wr_data),
+      .ticket_valid_o(ticket_valid),
+      .ticket_ready_i(ticket_ready),
+      .ticket_o      (ticket),
+      .tpl_done_o    (tpl_done),
+      .rows_written_o(rows_written),
+      .rows_freed_i  (rows_freed),
+      .bank_free_i   (bank_free),
+      .busy_o        (fetch_busy)
+  );
+
+  slog_sequencer #(
+      .GroupBits,
+      .Pitch,
+      .RingRows,
+      .DrainClocks(slog_array_pkg::drain_clocks(GroupBits, Lanes))
+  ) u_sequencer (
+      .clk_i,
+      .rst_i,
+      .ticket_valid_i(ticket_valid),
+      .ticket_ready_o(ticket_ready),
+      .ticket_i      (ticket),
+      .tpl_done_i    (tpl_done),
+      .rows_written_i(rows_written),
+      .rows_freed_o  (rows_freed),
+      .bank_free_o   (bank_free),
+      .ctx_valid_o   (ctx_valid),
+      .ctx_ready_i   (ctx_ready),
+      .ctx_o         (ctx),
+      .row_valid_o   (row_valid),
+      .row_ready_i   (row_ready),
+      .row_offsets_o (row_offsets),
+      .step_o        (step),
+      .mask_o        (mask),
+      .busy_o        (sequencer_busy)
+  );
+
+  slog_operands #(
+      .GroupBits,
+      .Lanes,
+      .RingRows,
+      .WordsPerRow
+  ) u_operands (
+      .clk_i,
+      .rst_i,
+      .wr_valid_i(wr_valid),
+      .wr_tpl_i  (wr_tpl),
+      .wr_wide_i (wr_wide),
+      .wr_bank_i (wr_bank),
+      .wr_row_i  (wr_row),
+      .wr_word_i (wr_word),
+      .wr_data_i (wr_data),
+      .step_i    (step),
+      .move_o    (move),
+      .valid_o   (valid),
+      .first_o   (first),
+      .last_o    (last),
+      .row_b_o   (),
+      .lanes_o   (lanes),
+      .tpl_a_o   (tpl_a),
+      .tpl_b_o   (tpl_b),
+      .search_a_o(search_a),
+      .search_b_o(search_b)
+  );
+
+  slog_array #(
+      .GroupBits,
+      .Lanes
+  ) u_array (
+      .clk_i,
+      .rst_i,
+      .move_i          (move),
+      .mask_i          (mask),
+      .valid_i         (valid),
+      .first_i         (first),
+      .last_i          (last),
+      .lanes_i         (lanes),
+      .tpl_a_i         (tpl_a),
+      .tpl_b_i         (tpl_b),
+      .search_a_i      (search_a),
+      .search_b_i      (search_b),
+      .mismatch_valid_o(mismatch_valid),
+      .mismatch_o      (mismatch)
+  );
+
+  slog_peak #(
+      .MaxOffsets (MaxWidth),
+      .ScoreBits  (ScoreBits),
+      .ScoreDepth (SurfaceDepth),
+      .ResultDepth(ResultDepth)
+  ) u_peak (
+      .clk_i,
+      .rst_i,
+      .ctx_valid_i     (ctx_valid),
+      .ctx_ready_o     (ctx_ready),
+      .ctx_i           (ctx),
+      .row_valid_i     (row_valid),
+      .row_ready_o     (row_ready),
+      .row_offsets_i   (row_offsets),
+      .mismatch_valid_i(mismatch_valid),
+      .mismatch_i      (mismatch),
+      .surf_tvalid_o,
+      .surf_tready_i,
+      .surf_tdata_o,
+      .surf_tuser_o,
+      .surf_tlast_o,
+      .res_valid_o,
+      .res_ready_i,
+      .res_o,
+      .res_level_o
+  );
+
+  assign busy_o  = fetch_busy || sequencer_busy;
+  assign score_o = mismatch_valid;
+endmodule : slog_correlator
