@@ -13,7 +13,8 @@ from sw.world.seafloor import Float, Seafloor
 Matrix = NDArray[np.float64]
 
 COARSE = 4
-"""The ray's meeting with the floor is found on every COARSE-th pixel and interpolated: relief is smooth at that scale."""
+"""The ray's meeting with the floor is found on every COARSE-th pixel and interpolated: relief is smooth at that
+scale."""
 TURNS = 5
 """Fixed-point turns to that meeting; each shrinks the error by slope times tangent of the viewing angle."""
 
@@ -73,12 +74,14 @@ class Pinhole:
     def meet(self, sight: Sight, floor: Seafloor) -> Float:
         """Distance along each pixel's ray to the floor in units of its z = 1 direction, float32 (height, width).
 
-        So it is the depth along the optical axis, metres; infinite where a ray does not go down to the floor within 60 m.
+        So it is the depth along the optical axis, metres; infinite where a ray does not go down to the floor within
+        60 m.
         """
         width, height = self.size
         step_u, step_v = -(-(width - 1) // COARSE), -(-(height - 1) // COARSE)
         u, v = np.meshgrid(np.arange(step_u + 1) * COARSE, np.arange(step_v + 1) * COARSE)
-        local = np.stack([(u - self.centre[0]) / self.focal, (v - self.centre[1]) / self.focal, np.ones_like(u)], axis=-1)
+        cx, cy = self.centre
+        local = np.stack([(u - cx) / self.focal, (v - cy) / self.focal, np.ones_like(u)], axis=-1)
         ray = (local @ sight.rotation.T).astype(np.float32)
         down = np.maximum(ray[..., 2], 1e-3)
         x0, y0, z0 = (np.float32(c) for c in sight.position)
@@ -99,7 +102,8 @@ def see_floor(camera: Pinhole, sight: Sight, floor: Seafloor) -> tuple[Float, Fl
     """The floor as the camera would see it through clear water under even light.
 
     Returns:
-        (albedo in grey levels, depth along the optical axis in metres, infinite where no floor is seen), float32 (height, width).
+        (albedo in grey levels, depth along the optical axis in metres, infinite where no floor is seen), float32
+        (height, width).
     """
     depth = camera.meet(sight, floor)
     seen = np.isfinite(depth)

@@ -29,8 +29,8 @@ def photograph(name: str) -> Float:
 def quilt(photo: Float, size: int, rng: np.random.Generator, patch: int = 256) -> Float:
     """Texture of any size that repeats nowhere: turned and mirrored random patches of a photograph, blended.
 
-    Patches overlap by half; weights are a raised cosine, normalised to keep the variance, so no seam is visible as a change of
-    contrast.
+    Patches overlap by half; weights are a raised cosine, normalised to keep the variance, so no seam is visible as a
+    change of contrast.
 
     Args:
         photo: float32 (h, w), both larger than `patch`.

@@ -1,4 +1,5 @@
-"""A six-degree-of-freedom vehicle: drag, thrusters with lag and limits, righting moment, a current with surge; its pan/tilt."""
+"""A six-degree-of-freedom vehicle: drag, thrusters with lag and limits, righting moment, a current with surge; its
+pan/tilt."""
 
 from __future__ import annotations
 
@@ -18,18 +19,18 @@ class Current:
 
     Attributes:
         steady: (north, east) m/s.
-        surge: amplitude (north, east) m/s of an oscillation.
+        surge: amplitude (north, east, down) m/s of an oscillation.
         period: of the surge, seconds.
     """
 
     steady: tuple[float, float] = (0.0, 0.0)
-    surge: tuple[float, float] = (0.0, 0.0)
+    surge: tuple[float, float, float] = (0.0, 0.0, 0.0)
     period: float = 7.0
 
     def at(self, time: float) -> Vector:
         """Velocity of the water (3,) m/s at `time` seconds."""
         wave = np.sin(2 * np.pi * time / self.period)
-        return np.array([self.steady[0] + wave * self.surge[0], self.steady[1] + wave * self.surge[1], 0.0])
+        return np.asarray(np.array([*self.steady, 0.0]) + wave * np.array(self.surge))
 
 
 STILL = Current()
@@ -39,8 +40,11 @@ STILL = Current()
 class Hull:
     """What a small inspection vehicle weighs and how it moves: mass with added mass, drag, thrust.
 
-    Axes are surge, sway, heave and roll, pitch, yaw. Masses kg and kg m^2, linear drag N s/m and N m s, quadratic drag N s^2/m^2
-    and N m s^2, thrust limits N and N m, lag in seconds, righting moment N m per radian of roll and pitch.
+    Axes are surge, sway, heave and roll, pitch, yaw. Masses kg and kg m^2, linear drag N s/m and N m s, quadratic
+    drag N s^2/m^2 and N m s^2, thrust limits N and N m, lag in seconds, righting moment N m per radian of roll and
+    pitch. The horizontal thrusters sit `lever` metres below the centre of mass, so pushing tilts the hull; flow from
+    aside turns it (Munk moment, from the masses). The autopilot's gyro damps yaw by `yaw_damper` N m s through the
+    thrusters.
     """
 
     inertia: tuple[float, ...] = (16.0, 22.0, 24.0, 0.3, 0.35, 0.4)
@@ -49,6 +53,8 @@ class Hull:
     limit: tuple[float, ...] = (40.0, 40.0, 40.0, 0.0, 0.0, 6.0)
     lag: float = 0.15
     righting: float = 6.0
+    lever: float = 0.01
+    yaw_damper: float = 2.6
 
 
 @dataclass
@@ -81,13 +87,17 @@ class Vehicle:
         count = max(1, round(dt / 0.02))
         d = dt / count
         for _ in range(count):
-            wanted = np.clip(command, -limit, limit)
+            damped = command - np.array([0, 0, 0, 0, 0, h.yaw_damper * self.velocity[5]])
+            wanted = np.clip(damped, -limit, limit)
             self.thrust = wanted + (self.thrust - wanted) * np.exp(-d / h.lag)
             through = self.velocity.copy()
             through[:3] -= self.turn.T @ self.current.at(self.time)
             drag = np.array(h.linear) * through + np.array(h.quadratic) * np.abs(through) * through
-            righting = np.array([0, 0, 0, -h.righting * self.attitude[0], -h.righting * self.attitude[1], 0.0])
-            self.velocity = self.velocity + d * (self.thrust - drag + righting) / inertia
+            coupled = np.array([
+                0, 0, 0, -h.righting * self.attitude[0] + h.lever * self.thrust[1],
+                -h.righting * self.attitude[1] - h.lever * self.thrust[0],
+                (h.inertia[0] - h.inertia[1]) * through[0] * through[1]])
+            self.velocity = self.velocity + d * (self.thrust - drag + coupled) / inertia
             self.position = self.position + d * self.turn @ self.velocity[:3]
             roll, pitch, _ = self.attitude
             p, q, r = self.velocity[3:]

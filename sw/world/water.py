@@ -70,10 +70,11 @@ class Snow:
     def drift(self, flow: NDArray[np.float64], dt: float) -> None:
         """Carry the particles with water flowing at `flow` (3,) m/s for dt seconds."""
         wander = self._rng.normal(0.0, 0.03 * np.sqrt(dt), self.positions.shape)
-        self.positions = (self.positions + (flow + [0, 0, self.sink]) * dt + wander) % self.box
+        self.positions = (self.positions + (flow + np.array([0, 0, self.sink])) * dt + wander) % self.box
 
     def draw(self, image: Float, camera: Pinhole, sight: Sight, depth: Float) -> None:
-        """Paint the particles nearer than the scene into `image`, in place: squares of 1 to 5 pixels, white nearest by."""
+        """Paint the particles nearer than the scene into `image`, in place: squares of 1 to 5 pixels, white nearest
+        by."""
         local = ((self.positions - sight.position) % self.box - self.box / 2) @ sight.rotation
         z = local[:, 2]
         ahead = z > 0.15
@@ -132,7 +133,8 @@ def _cone(camera: Pinhole, half_angle: float) -> Float:
 
 @lru_cache(maxsize=8)
 def _fall_off(camera: Pinhole, clear: float = 0.3, corner: float = 0.5) -> Float:
-    """The paper's factor, linear in (r - r0)^2 for r > r0; r0 is `clear` half diagonals, `corner` is reached in the corners."""
+    """The paper's factor, linear in (r - r0)^2 for r > r0; r0 is `clear` half diagonals, `corner` is reached in the
+    corners."""
     r = np.hypot(camera.rays[..., 0], camera.rays[..., 1])
     r = r / r.max()
     return np.asarray(1 - (1 - corner) * (np.maximum(r - clear, 0) / (1 - clear)) ** 2, np.float32)

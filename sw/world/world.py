@@ -71,5 +71,6 @@ class World:
         return Shot(sense(light, self.water.noise, self._rng), depth)
 
     def look_pair(self, camera: Pinhole, sight: Sight, baseline: float) -> tuple[Shot, Shot]:
-        """What a rectified stereo pair sees: the left camera at `sight`, the right one `baseline` metres to its right."""
+        """What a rectified stereo pair sees: the left camera at `sight`, the right one `baseline` metres to its
+        right."""
         return self.look(camera, sight), self.look(camera, sight.shifted(baseline))
