@@ -5,7 +5,7 @@ from collections import Counter
 
 import cocotb
 
-from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.cycle import CycleModel, Inputs, Outputs, Stimulus, check_cycles
 from cocotb_tests.env.params import params
 from cocotb_tests.env.stalls import SHAPES, willing
 from golden.correlate import Status
@@ -35,13 +35,13 @@ FEW = 3
 class SideBySide:
     """Several cycle models as one, the names of each behind a prefix."""
 
-    def __init__(self, **parts: object) -> None:
+    def __init__(self, **parts: CycleModel) -> None:
         self.parts = parts
         self.INPUTS = ("rst_i", *(f"{p}_{n}" for p, m in parts.items() for n in m.INPUTS if n != "rst_i"))
         self.OUTPUTS = tuple(f"{p}_{n}" for p, m in parts.items() for n in m.OUTPUTS)
 
     def step(self, i: Inputs) -> dict[str, int | None]:
-        out = {}
+        out: dict[str, int | None] = {}
         for p, model in self.parts.items():
             own = {n: i["rst_i"] if n == "rst_i" else i[f"{p}_{n}"] for n in model.INPUTS}
             out |= {f"{p}_{n}": v for n, v in model.step(own).items()}
@@ -188,7 +188,7 @@ def together(rng: random.Random, shape: str) -> Stimulus:
 @cocotb.parametrize(shape=SHAPES)
 async def every_clock(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
-    seen = Counter()
+    seen: Counter[str] = Counter()
 
     def count(_: Inputs, out: Outputs) -> None:
         seen.update(n for n in COUNTED if out[n])

@@ -4,9 +4,9 @@ import random
 
 import cocotb
 
-from cocotb_tests.env.cycle import Inputs, Outputs, check_cycles
+from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles
 from cocotb_tests.env.params import params
-from cocotb_tests.env.stalls import SHAPES, willing
+from cocotb_tests.env.stalls import SHAPES
 from cocotb_tests.tb_fifo import traffic
 from golden.cycle_ram_fifo import RamFifoModel
 
@@ -32,9 +32,9 @@ async def every_clock(dut, source: str, sink: str) -> None:
 async def rate_and_latency(dut) -> None:
     """Four clocks to get through, then a word per clock for as long as it is fed."""
     model, words = RamFifoModel(params()["Depth"]), 60
-    seen = []
+    seen: list[tuple[int, int | None]] = []
 
-    def source(count: int):
+    def source(count: int) -> Stimulus:
         for t in range(count + 4):
             out = yield {"rst_i": 0, "in_valid_i": int(t < count), "in_data_i": t, "out_ready_i": 1}
             if out["out_valid_o"]:
@@ -51,7 +51,7 @@ async def full_and_flowing(dut) -> None:
     depth = params()["Depth"]
     steady = 0
 
-    def source():
+    def source() -> Stimulus:
         nonlocal steady
         for t in range(depth + 60):
             popping = t > depth + 10
