@@ -25,7 +25,7 @@ from sw.mosaic import Column
 from sw.panel import draw_tracks, stage_panel
 from sw.register import Registrar
 from sw.sources import Fit, Frame, Source, open_source, read_picture
-from sw.tables import Table
+from sw.tables import TRACK, Table, track_row
 from sw.track import Tracker, TrackPoint, TrackSettings
 
 app = typer.Typer(
@@ -50,9 +50,6 @@ SigmaOption = Annotated[float, typer.Option("--sigma", min=MIN_SIGMA, max=MAX_SI
 WindowOption = Annotated[int, typer.Option("--window", min=8, max=128,
                                            help="Side of the correlation windows, pixels of the board's picture.")]
 OutOption = Annotated[Path, typer.Option("--out", help="Folder for what is written; made if missing.", file_okay=False)]
-
-TRACK = "frame", "feature", "x_px", "y_px", "dx_px", "dy_px", "score", "margin", "valid"
-"""Of `track.csv`, original pixels: (x, y) is where the feature is, (dx, dy) how far from where it was first seen."""
 
 
 def guarded(command: Callable[P, None]) -> Callable[P, None]:
@@ -169,7 +166,7 @@ def track(
                     tracker = Tracker(Measurer(b, fit.board, sigma), TrackSettings(window=window, features=features))
                 points = tracker.step(fit.show(frame.picture))
                 for point in points:
-                    table.write(_track_row(frame.name, point, fit))
+                    table.write(track_row(frame.name, point, fit))
                 measured, valid, done = measured + len(points), valid + sum(p.valid for p in points), done + 1
                 tell(f"{sum(p.valid for p in points)} of {len(points)} valid")
         finally:
@@ -178,13 +175,6 @@ def track(
                 cv2.imwrite(str(output / "track.png"), draw_tracks(fit.show(frame.picture), points, window))
         notes.print(_clocks(b, done))
     out.print(f"{output / 'track.csv'}: {done} frames, {measured} measurements, {valid} valid")
-
-
-def _track_row(frame: str, point: TrackPoint, fit: Fit) -> list[object]:
-    kx, ky = fit.factor
-    x, y = (point.x + 0.5) * kx - 0.5, (point.y + 0.5) * ky - 0.5
-    figures = [f"{v:.3f}" for v in (x, y, point.dx * kx, point.dy * ky)]
-    return [frame, point.feature, *figures, f"{point.score:.4f}", f"{point.margin:.4f}", int(point.valid)]
 
 
 @app.command()
@@ -266,7 +256,7 @@ def demo(
 
     Example: `signum demo --board golden --out out/demo`
     """
-    from sw.report import run_demo  # plots: not needed by the other commands
+    from sw.demo import run_demo  # plots: not needed by the other commands
 
     with board_of(board, window) as b:
         report = run_demo(b, output, sigma, window, progress)
