@@ -109,7 +109,8 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
             seen.aborted += i["frame_abort_i"] >> c & 1 and out["writing_o"] >> c & 1
         fell = before["writing_o"] & ~out["writing_o"]
         if out["done_o"]:
-            done = [c for c in range(p["Cameras"]) if fell >> c & 1 and before["armed_o"] >> c & ~out["armed_o"] >> c & 1]
+            ended = fell & before["armed_o"] & ~out["armed_o"]
+            done = [c for c in range(p["Cameras"]) if ended >> c & 1]
             for c in done:
                 slot = model.channels[c].slot
                 base = slot * p["SlotWords"]

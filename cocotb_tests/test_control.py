@@ -1,4 +1,4 @@
-"""`slog_control` and the generated registers: against their cycle model on every clock, and field by field over AXI4-Lite."""
+"""`slog_control` and the generated registers: every clock against their model, every field over AXI4-Lite."""
 
 from sim.runner import simulate
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from golden.cycle_csr import CsrModel, FieldPlace
 from golden.params import COEF_BITS, COEF_FRACTION, Config
+from golden.structs import JOB, RESULT
 
 SETTLE = 8
 STORED = {
@@ -17,29 +18,6 @@ STORED = {
     "irq_enable.result": 0, "irq_enable.capture": 0, "irq_enable.drop": 0, "irq_enable.overflow": 0,
 }
 EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
-JOB_LAYOUT = (("tag", 16), ("surface", 1), ("tpl_slot", 3), ("tpl_x", 10), ("tpl_y", 10), ("width", 8), ("height", 8),
-              ("search_slot", 3), ("search_x", 10), ("search_y", 10), ("offsets_x", 10), ("offsets_y", 10))
-"""`job_t`, most significant first."""
-RESULT_LAYOUT = (("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10), ("score", 15),
-                 *((f"neighbour{k}", 15) for k in reversed(range(8))), ("runner_up", 15))
-"""`result_t`, most significant first."""
-
-
-def pack(layout: tuple[tuple[str, int], ...], values: Mapping[str, int]) -> int:
-    """A packed struct as an integer."""
-    word = 0
-    for name, width in layout:
-        word = word << width | values[name]
-    return word
-
-
-def unpack(layout: tuple[tuple[str, int], ...], word: int) -> dict[str, int]:
-    """The members of a packed struct."""
-    values = {}
-    for name, width in reversed(layout):
-        values[name] = word & (1 << width) - 1
-        word >>= width
-    return values
 
 
 class FilterBankModel:
@@ -92,21 +70,25 @@ class PeekModel:
     def reset(self) -> None:
         """State after reset."""
         self.want = self.flight = self.drop = self.have = self.waiting = self.answer = False
-        self.word, self.chunk, self.address, self.data = 0, 0, 0, 0
+        self.word: int | None = 0
+        self.data: int | None = 0
+        self.chunk, self.address = 0, 0
 
     @property
     def valid(self) -> bool:
         """A word is asked for."""
         return self.want and self.address < self.store_words and not self.flight
 
-    def edge(self, *, go: int, address: int, request: bool, ready: int, done: int, data: int) -> None:
+    def edge(self, *, go: int, address: int, request: bool, ready: int, done: int, data: int | None) -> None:
         """Take the clock edge."""
         valid, want, flight, have = self.valid, self.want, self.flight, self.have
         outside = want and self.address >= self.store_words and not flight
         pending = request or self.waiting
         answer = pending and (have or not (want or flight or have)) and not go
         turn = answer and have and self.chunk == self.chunks - 1
-        self.answer, self.data = answer, self.word & 0xFFFFFFFF if answer and have else 0
+        self.answer, self.data = answer, 0
+        if answer and have:
+            self.data = None if self.word is None else self.word & 0xFFFFFFFF
         self.waiting = pending and not answer
         taken = valid and bool(ready)
         if taken:
@@ -120,7 +102,7 @@ class PeekModel:
             self.word = data
         elif outside:
             self.word = 0
-        elif answer:
+        elif answer and self.word is not None:
             self.word >>= 32
         if answer:
             self.chunk = 0 if self.chunk == self.chunks - 1 else self.chunk + 1
@@ -159,7 +141,7 @@ class ControlModel:
             "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
             "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],
             "job_valid_o": v["job.submit.go"],
-            "job_o": pack(JOB_LAYOUT, {
+            "job_o": JOB.pack({
                 "tag": v["job.submit.tag"], "surface": v["job.submit.surface"], "tpl_slot": v["job.tpl.slot"],
                 "tpl_x": v["job.tpl.x"], "tpl_y": v["job.tpl.y"], "width": v["job.window.width"],
                 "height": v["job.window.height"], "search_slot": v["job.search.slot"],
@@ -171,11 +153,13 @@ class ControlModel:
             "irq_o": self.irq,
         }
 
-    def _status(self, i: Mapping[str, int]) -> dict[str, int]:
-        """What the host would read in this clock."""
+    def status(self, i: Mapping[str, int], result: int | None) -> dict[str, int | None]:
+        """Fields driven by hardware as the host would read them in this clock."""
         c = self.config
-        r = unpack(RESULT_LAYOUT, i["result_i"])
-        status = {
+        r: dict[str, int | None] = dict.fromkeys(name for name, _ in RESULT.fields)
+        if result is not None:
+            r.update(RESULT.unpack(result))
+        status: dict[str, int | None] = {
             "id.value": int.from_bytes(b"SLOG"), "version.minor": 0, "version.major": 1,
             "build_image.max_width": c.max_width, "build_image.max_height": c.max_height,
             "build_filter.min_image": c.min_image, "build_filter.radius": c.radius,
@@ -202,8 +186,8 @@ class ControlModel:
         status.update({f"counter.{name}.value": n for name, n in zip(names, self.counts, strict=True)})
         return status
 
-    def edge(self, i: Mapping[str, int]) -> None:
-        """Take the clock edge."""
+    def edge(self, i: Mapping[str, int], result: int | None, peek_data: int | None) -> None:
+        """Take the clock edge; `result_i` and `peek_data_i`, which may be undefined, stand apart."""
         v = self.csr.value
         overflow = int(v["job.submit.go"] and not i["job_ready_i"])
         events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), overflow), strict=True))
@@ -213,23 +197,26 @@ class ControlModel:
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
             return
-        taken = i["result_valid_i"] and v["result.pop.go"]
-        good = unpack(RESULT_LAYOUT, i["result_i"])["status"] == 0 if taken else False
+        taken = bool(i["result_valid_i"] and v["result.pop.go"])
+        good = taken and result is not None and RESULT.unpack(result)["status"] == 0
         happened = [1, i["work_i"], i["score_i"], taken and good, taken and not good, overflow,
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
         irq = (i["result_valid_i"] and v["irq_enable.result"]) or any(
             v[name] and v[name.replace("status", "enable")] for name in EVENTS)
-        peek = dict(go=v["peek_address.go"], address=v["peek_address.word"], request=self.csr.external_read)
-        bank = dict(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
-                    commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]))
-        self.csr.edge(i, lambda: self._status(i), events, self.peek.answer, self.peek.data)
-        self.bank.edge(**bank, active=i["active_i"] | i["writing_i"])
-        self.peek.edge(**peek, ready=i["peek_ready_i"], done=i["peek_done_i"], data=i["peek_data_i"])
+        request, active = self.csr.external_read, i["active_i"] | i["writing_i"]
+        before = dict(v)
+        self.csr.edge(i, lambda: self.status(i, result), events, int(self.peek.answer), self.peek.data)
+        v = before
+        self.bank.edge(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
+                       commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]),
+                       active=active)
+        self.peek.edge(go=v["peek_address.go"], address=v["peek_address.word"], request=request,
+                       ready=i["peek_ready_i"], done=i["peek_done_i"], data=peek_data)
         self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, happened, strict=True)]
         self.irq = int(bool(irq))
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Mapping[str, int]) -> dict[str, int | None]:
         """Outputs of this clock, then the clock edge."""
         out = self.outputs()
-        self.edge(i)
+        self.edge(i, i["result_i"], i["peek_data_i"])
         return out

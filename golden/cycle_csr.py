@@ -54,9 +54,11 @@ class CsrModel:
         self.w: tuple[int, int] | None = None
         self.read_address = 0
         # Responses: is_write and data of each place; pointers count to 2 * DEPTH.
-        self.is_write, self.data = [False] * DEPTH, [0] * DEPTH
+        self.is_write = [False] * DEPTH
+        self.data: list[int | None] = [0] * DEPTH
         self.put, self.take = 0, 0
-        self.retimed, self.retimed_done, self.retimed_ack = 0, False, False
+        self.retimed: int | None = 0
+        self.retimed_done, self.retimed_ack = False, False
 
     def _dispatch(self) -> tuple[str, int] | None:
         """The request of this clock: what and where; it may still be stalled."""
@@ -98,13 +100,13 @@ class CsrModel:
             "s_axil_rresp": 0,
         }
 
-    def edge(self, i: Mapping[str, int], status: Callable[[], Mapping[str, int]], events: Mapping[str, int],
-             answer: int, answer_data: int) -> None:
+    def edge(self, i: Mapping[str, int], status: Callable[[], Mapping[str, int | None]],
+             events: Mapping[str, int], answer: int, answer_data: int | None) -> None:
         """Take the clock edge.
 
         Args:
             i: inputs.
-            status: values of the fields hardware drives; asked only when something is read.
+            status: values of the fields hardware drives, None if undefined; asked only when something is read.
             events: hardware's wish to set a `cleared` field.
             answer: the hardware answers the waiting register now, with `answer_data`.
         """
@@ -146,7 +148,7 @@ class CsrModel:
         self.stall_write = request is not None and request[0] == "read"
 
         # Storage
-        pulses = {name: 0 for name in self.pulses}
+        pulses = dict.fromkeys(self.pulses, 0)
         if wrote:
             assert accepted is not None and self.w is not None
             data, strobes = self.w
@@ -179,12 +181,14 @@ class CsrModel:
         if i["s_axil_wvalid"] and out["s_axil_wready"]:
             self.w = (i["s_axil_wdata"], i["s_axil_wstrb"])
 
-    def _read(self, address: int, status: Mapping[str, int]) -> int:
+    def _read(self, address: int, status: Mapping[str, int | None]) -> int | None:
         word = 0
         for name in self.by_address.get(address, []):
             if name in self.pulses:
                 continue
             place = self.fields[name]
             value = self.value[name] if name in self.value else status[name]
+            if value is None:
+                return None
             word |= (value & (1 << place.width) - 1) << place.lsb
         return word

@@ -1,14 +1,13 @@
-"""The register map as plain data, read from the generated PyRAL layer: nothing about addresses is typed anywhere else."""
+"""The register map as plain data, from the generated PyRAL layer: addresses are typed nowhere else."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
+from importlib import import_module
 from typing import Any, NamedTuple
 
 from peakrdl_pyral_runtime.model.array import RALArray
-
-from sim.gen.slog_csr import get_ral
 
 
 class Field(NamedTuple):
@@ -54,7 +53,7 @@ def _walk(node: Any, path: str) -> Iterator[tuple[str, Field]]:
 @cache
 def fields() -> dict[str, Field]:
     """Every field by dotted path, array elements as `result.neighbour[0].even`."""
-    return dict(_walk(get_ral(), ""))
+    return dict(_walk(import_module("sim.gen.slog_csr").get_ral(), ""))
 
 
 def word(register: str, **values: int) -> int:
