@@ -53,7 +53,6 @@ class _Output:
 @dataclass
 class _Issue:
     px: Bits = field(default_factory=dict)
-    data: int | None = None
     valid: int = 0
     abort: int = 0
 
@@ -70,6 +69,7 @@ class VideoInModel:
         self.radius = radius
         self.px: Bits = dict.fromkeys(("px_col_o", "px_first_o", "px_last_o", "px_out_o", "px_bottom_o", "px_dist_o"))
         self.data: int | None = None
+        self.reads: list[int | None] = [None, None]
         self._reset()
 
     def _reset(self) -> None:
@@ -88,10 +88,12 @@ class VideoInModel:
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         event, shown = self.event, self.pipe[1]
+        if self.reads[1] is not None:
+            self.data = self.reads[1]
+        line = self.tick.line if self.tick else None
+        self.reads = [line.pixels[self.tick.col] if self.tick and line else None, self.reads[0]]
         if shown.valid:
             self.px = {k: v for k, v in shown.px.items() if k in self.px}
-            if shown.data is not None:
-                self.data = shown.data
         reading = self.tick is not None and self.tick.line is not None
         ready = (len(self.ring) + reading + (event.commit is not None) != LINES
                  and not (i["hold_i"] and self.state != "active"))
@@ -152,7 +154,6 @@ class VideoInModel:
             left = i["height_i"] - 1 - o.row if o else 0
             live = o is not None and not dies
             issue.valid = 1
-            issue.data = tick.line.pixels[tick.col] if tick.line else None
             issue.px = {
                 "px_col_o": tick.col, "px_first_o": int(tick.col == 0), "px_last_o": int(last),
                 "px_out_o": int(tick.out), "px_live_o": int(live),

@@ -197,7 +197,7 @@ class LogModel:
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])
-        self.rows: deque[tuple[_Row, int] | None] = deque([None] * self.latency)
+        self.rows: deque[tuple[_Row, int] | None] = deque([None] * (self.latency - 1))
         self.last: deque[int | None] = deque([None] * self.latency)
         self.bit: int | None = None
         self.kernels: tuple[Coefs, Coefs] = ((), ())
@@ -206,10 +206,7 @@ class LogModel:
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         r = self.radius
-        due, at, last = self.pipe.pop(), self.rows.pop(), self.last.pop()
-        if due.get("live"):
-            assert at is not None
-            self.bit = self._bit(*at)
+        due, last = self.pipe.pop(), self.last.pop()
         flags = [p for p in (*self.pipe, due) if p]
         reach = 8 + levels(r)  # an output line is noticed as such up to the horizontal window
         out: Bits = {
@@ -221,7 +218,11 @@ class LogModel:
             self.coef_words = (i["g_i"], i["g2_i"])
             self.kernels = (tuple(unpack(i["g_i"], 18, r + 1)), tuple(unpack(i["g2_i"], 18, r + 1)))
         self.rows.appendleft(self._take(i))
+        at = self.rows.pop()
         self.last.appendleft(i["px_last_i"])
+        if self.pipe[-1].get("live"):
+            assert at is not None
+            self.bit = self._bit(*at)
         self.pipe.appendleft({
             "out": i["px_valid_i"] & i["px_out_i"], "live": i["px_live_i"], "start": i["px_start_i"],
             "done": i["px_done_i"], "abort": i["px_abort_i"]})

@@ -1,0 +1,48 @@
+"""Cocotb side of the `slog_log` test: fed with what the model of `slog_video_in` makes of good and bad video."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles, run_model
+from cocotb_tests.env.params import params
+from cocotb_tests.env.stalls import willing
+from cocotb_tests.env.video import bad, good, play, texture
+from golden.cycle_frontend import VideoInModel
+from golden.cycle_log import LogModel, pack
+from golden.log import kernels
+
+
+def recorded(rng: random.Random, radius: int, width: int, height: int, shape: str) -> list[Inputs]:
+    """Inputs of every clock of a few frames, good ones and one that dies half-way."""
+    clocks: list[Inputs] = []
+    items = [good(texture(rng, width, height)), good(texture(rng, width, height)),
+             bad("cut_line", texture(rng, width, height), rng), good(texture(rng, width, height))]
+    run_model(VideoInModel(radius), play(items, {"width_i": width, "height_i": height}, willing(shape, rng), rng),
+              lambda i, out: clocks.append({f"{k[:-2]}_i": v or 0 for k, v in out.items() if k.startswith("px_")}))
+    return clocks
+
+
+@cocotb.test()
+@cocotb.parametrize(size=((18, 18), (31, 20), (48, 19)), sigma=(1.0, 4.0), shape=("none", "random"))
+async def every_clock(dut, size: tuple[int, int], sigma: float, shape: str) -> None:
+    p = params()
+    rng = random.Random(cocotb.RANDOM_SEED)
+    g, g2 = kernels(sigma, p["Radius"])
+    coefs = {"g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
+    clocks = recorded(rng, p["Radius"], *size, shape)
+    bits = [0, 0]
+
+    def stimulus() -> Stimulus:
+        for px in clocks:
+            yield {**coefs, **px}
+        for n in range(LogModel(p["MaxWidth"], p["Radius"]).latency + 2):
+            yield {**coefs, "rst_i": int(size[0] == 31 and n == 20)}  # a reset with the last row under way
+
+    def count(i: Inputs, out: Outputs) -> None:
+        if out["bit_valid_o"]:
+            assert out["bit_o"] is not None
+            bits[out["bit_o"]] += 1
+
+    await check_cycles(dut, LogModel(p["MaxWidth"], p["Radius"]), stimulus(), count)
+    assert min(bits) > size[0] * size[1]

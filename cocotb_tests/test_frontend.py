@@ -1,0 +1,45 @@
+"""The front end and its parts against their cycle models on every clock."""
+
+import pytest
+
+from golden.params import TINY
+from sim.runner import simulate
+
+SIZE = {"MaxWidth": TINY.max_width, "Radius": TINY.radius}
+FIR = ["rtl/slog_mult.sv", "rtl/slog_fir.sv"]
+LOG = ["rtl/slog_ram.sv", *FIR, "rtl/slog_line_buffer.sv", "rtl/slog_taps.sv", "rtl/slog_log.sv"]
+
+
+def test_video_in() -> None:
+    simulate("slog_video_in", ["rtl/slog_ram.sv", "rtl/slog_video_in.sv"], "cocotb_tests.tb_video_in", SIZE)
+
+
+def test_line_buffer() -> None:
+    simulate("slog_line_buffer", ["rtl/slog_ram.sv", "rtl/slog_line_buffer.sv"], "cocotb_tests.tb_line_buffer", SIZE)
+
+
+@pytest.mark.parametrize("shape", [
+    {"Radius": 8, "DataW": 8, "Row": 0, "Kernels": 2, "SumW": 24, "Bias": 64},
+    {"Radius": 8, "DataW": 18, "Row": 1, "Kernels": 1, "SumW": 36, "Bias": -1},
+    {"Radius": 3, "DataW": 18, "Row": 0, "Kernels": 1, "SumW": 36, "Bias": 5},
+], ids=["column", "row", "small"])
+def test_fir(shape: dict[str, int]) -> None:
+    simulate("slog_fir", FIR, "cocotb_tests.tb_fir", shape)
+
+
+def test_taps() -> None:
+    simulate("slog_taps", ["rtl/slog_taps.sv"], "cocotb_tests.tb_taps", {"Radius": TINY.radius, "DataW": 18})
+
+
+def test_log() -> None:
+    simulate("slog_log", LOG, "cocotb_tests.tb_log", SIZE)
+
+
+@pytest.mark.parametrize("group_bits", [4, 8])
+def test_packer(group_bits: int) -> None:
+    simulate("slog_packer", ["rtl/slog_packer.sv"], "cocotb_tests.tb_packer", {"GroupBits": group_bits})
+
+
+def test_frontend() -> None:
+    sources = [*LOG, "rtl/slog_video_in.sv", "rtl/slog_packer.sv", "rtl/slog_frontend.sv"]
+    simulate("slog_frontend", sources, "cocotb_tests.tb_frontend", {**SIZE, "GroupBits": TINY.group_bits})
