@@ -92,18 +92,20 @@ def _tile(picture: Picture, place: Similarity) -> tuple[Picture, Picture, tuple[
 def _match(spots: list[tuple[int, int]], tiles: list[Picture], masks: list[Picture]) -> list[Picture]:
     """Even out the exposure of the tiles, in place, and cut their masks along seams where they differ least.
 
-    Both are worked out at a smaller scale. The gains are smooth maps, not one number a picture: light cones need that.
+    Both are worked out at a smaller scale. The gains are one number a picture, for exposure, then smooth maps, for the
+    light cone.
     """
     shrink = min(1.0, float(np.sqrt(SEAM_PIXELS / max(t.shape[0] * t.shape[1] for t in tiles))))
     at = [(round(x * shrink), round(y * shrink)) for x, y in spots]
     sizes = [(max(1, round(t.shape[1] * shrink)), max(1, round(t.shape[0] * shrink))) for t in tiles]
     small = [cv2.resize(t, s, interpolation=cv2.INTER_AREA) for t, s in zip(tiles, sizes, strict=True)]
     cut = [cv2.resize(m, s, interpolation=cv2.INTER_NEAREST) for m, s in zip(masks, sizes, strict=True)]
-    compensator = cv2.detail.ExposureCompensator.createDefault(cv2.detail.EXPOSURE_COMPENSATOR_GAIN_BLOCKS)
-    compensator.feed(at, [_umat(t) for t in small], [_umat(m) for m in cut])
-    for i, (tile, mask) in enumerate(zip(tiles, masks, strict=True)):
-        small[i] = compensator.apply(i, at[i], small[i], cut[i])
-        tiles[i] = np.asarray(compensator.apply(i, spots[i], tile, mask), np.uint8)
+    for kind in (cv2.detail.EXPOSURE_COMPENSATOR_GAIN, cv2.detail.EXPOSURE_COMPENSATOR_GAIN_BLOCKS):
+        compensator = cv2.detail.ExposureCompensator.createDefault(kind)
+        compensator.feed(at, [_umat(t) for t in small], [_umat(m) for m in cut])
+        for i, (tile, mask) in enumerate(zip(tiles, masks, strict=True)):
+            small[i] = compensator.apply(i, at[i], small[i], cut[i])
+            tiles[i] = np.asarray(compensator.apply(i, spots[i], tile, mask), np.uint8)
     finder = cv2.detail.DpSeamFinder("COLOR_GRAD")
     seams = finder.find([_umat(t.astype(np.float32)) for t in small], at, [_umat(m) for m in cut])
     out = []

@@ -74,7 +74,8 @@ def _filter(f: Flight) -> str:
     whole, inner = (100 * share for share in f.agreement)
     return (f"<h2>The filter</h2><p>Image, smoothed, Laplacian (mid grey is 0), sign: only the last leaves the board "
             f"(the paper's figure 3).</p>{_row(shown)}<p>Signs survive what water does to a picture (figure 8): "
-            f"{whole:.1f} % of all pixels keep theirs, {inner:.1f} % of the inner quarter, at sigma 1.5.</p>{_row(snow)}")
+            f"{whole:.1f} % of all pixels keep theirs, {inner:.1f} % of the inner quarter, at sigma 1.5.</p>"
+            f"{_row(snow)}")
 
 
 def _flow(f: Flight) -> str:
@@ -118,8 +119,8 @@ def _station(f: Flight) -> str:
     axes[1].set_xlabel("s")
     lost = sum(not m.fix.confidence for m in f.held)
     return (f"<h2>Station keeping</h2><p>Current, surge and gusts push the vehicle; every frame is measured against "
-            f"the picture it had at the start (equations 2 to 5). {_rms_cm(f.held):.1f} cm RMS from the station after the "
-            f"first 4 s, where the free vehicle was {100 * float(np.hypot(*f.free[-1].true)):.0f} cm away after "
+            f"the picture it had at the start (equations 2 to 5). {_rms_cm(f.held):.1f} cm RMS from the station after "
+            f"the first 4 s, where the free vehicle was {100 * float(np.hypot(*f.free[-1].true)):.0f} cm away after "
             f"{f.free[-1].time:.0f} s. {lost} of {len(f.held)} frames without a fix.</p>"
             f"<div class='row'>{_plot(fig, 'distance from the station')}</div>")
 

@@ -30,6 +30,7 @@ VIDEOS = frozenset({".mp4", ".avi", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".w
 CAMERA = re.compile(r"(?:camera:)?(\d{1,2})$")
 
 # OpenCV's own chatter about odd TIFF tags would bury our one line.
+PilImage.MAX_IMAGE_PIXELS = None
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
 
 
@@ -243,13 +244,6 @@ def read_picture(file: Path) -> Picture:
     """
     if not file.exists():
         raise SourceError(f"{file}: no such file; check the spelling")
-    raw = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
-    if raw is None:
-        raise SourceError(f"{file}: cannot be read: not a picture, or broken; copy it again or take it out")
-    if raw.dtype != np.uint8:
-        bits = 8 * raw.dtype.itemsize
-        raise SourceError(f"{file}: a {bits}-bit picture; signum takes 8-bit grey or colour: "
-                          f"convert it, e.g. `convert {file.name} -normalize -depth 8 {file.stem}_8bit.png`")
     try:  # OpenCV returns the part it could decode of a file cut short; Pillow says so
         with PilImage.open(file) as check:
             check.load()
@@ -257,6 +251,13 @@ def read_picture(file: Path) -> Picture:
         pass
     except (OSError, SyntaxError) as error:
         raise SourceError(f"{file}: broken or cut short; copy it again or take it out") from error
+    raw = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
+    if raw is None:
+        raise SourceError(f"{file}: cannot be read: not a picture, or broken; copy it again or take it out")
+    if raw.dtype != np.uint8:
+        bits = 8 * raw.dtype.itemsize
+        raise SourceError(f"{file}: a {bits}-bit picture; signum takes 8-bit grey or colour: "
+                          f"convert it, e.g. `convert {file.name} -normalize -depth 8 {file.stem}_8bit.png`")
     if raw.ndim == 3 and raw.shape[2] == 4:
         raw = raw[:, :, :3]
     elif raw.ndim == 3 and raw.shape[2] != 3:
