@@ -74,6 +74,8 @@ module slog_fir #(
   for (genvar k = 0; k < Kernels; k++) begin : g_kernel
     for (genvar d = 0; d <= Radius; d++) begin : g_tap
       logic [35:0] product;
+      logic [SumW-1:0] term;
+      assign term = product[SumW-1:0];
       slog_mult u_mult (
           .clk_i,
           .en_i(valid_q[2:0]),
@@ -94,9 +96,9 @@ module slog_fir #(
           end
         end else begin : g_leaf
           if (2 * i + 1 <= Radius) begin : g_pair
-            assign sum = g_tap[2*i].product[SumW-1:0] + g_tap[2*i+1].product[SumW-1:0];
+            assign sum = g_tap[2*i].term + g_tap[2*i+1].term;
           end else if (2 * i == Radius) begin : g_bias
-            assign sum = g_tap[2*i].product[SumW-1:0] + SumW'(Bias);
+            assign sum = g_tap[2*i].term + SumW'(Bias);
           end else begin : g_single
             assign sum = SumW'(Bias);
           end

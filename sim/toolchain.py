@@ -41,3 +41,11 @@ def rtl_sources(config: str) -> list[Path]:
     """Every RTL source of the board for configuration `config`, packages first (from `rtl/files.f`)."""
     listed = (RTL / "files.f").read_text().split()
     return [RTL / name.replace("{config}", config) for name in listed]
+
+
+def ecp5_sources(config: str) -> list[Path]:
+    """The sources for the ECP5: every module that has a twin in `rtl/ecp5` is that twin; the primitives' models come first."""
+    twins = RTL / "ecp5"
+    chosen = [twins / path.name if (twins / path.name).exists() else path for path in rtl_sources(config)]
+    extra = [path for path in sorted(twins.glob("*.sv")) if path not in chosen]
+    return [ROOT / "sim" / "ecp5" / "cells.sv", *extra, *chosen]
