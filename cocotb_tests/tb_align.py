@@ -68,7 +68,8 @@ async def reset_in_a_row(dut) -> None:
 
     def noise() -> Stimulus:
         for t in range(400):
-            yield {"rst_i": int(t % 57 in (40, 41)), "in_valid_i": int(rng.random() < 0.8), "in_emit_i": int(rng.random() < 0.8),
-                   "in_data_i": rng.getrandbits(width), "in_shift_i": rng.randrange(width), "in_side_i": rng.getrandbits(8)}
+            yield {"rst_i": int(t % 57 in (40, 41)), "in_valid_i": int(rng.random() < 0.8),
+                   "in_emit_i": int(rng.random() < 0.8), "in_data_i": rng.getrandbits(width),
+                   "in_shift_i": rng.randrange(width), "in_side_i": rng.getrandbits(8)}
 
     assert await check_cycles(dut, AlignModel(width), noise()) == 400

@@ -130,7 +130,7 @@ async def latency(dut) -> None:
     await check_cycles(dut, FetchModel(TINY), script(), note)
     align = 3
     read = 13
-    # Template: two rows of two words, one aligned word each; search: three rows of 9 bits across two words, two aligned.
+    # Template: two rows of two words, one aligned word each; search: three rows of 9 bits across two words.
     assert at == {"ticket_valid_o": 12, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
                   "tpl_done_o": read + 2 + STORE_LATENCY + align + 1,
                   "rows_written_o": read + 4 + 1 + STORE_LATENCY + align + 1}

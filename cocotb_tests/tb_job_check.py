@@ -38,10 +38,9 @@ async def every_clock(dut, resets: bool) -> None:
     # Exactly at the image's edge, and each limit by itself one past it.
     base = acceptable(rng, config, size)
     w, h = base.width, base.height
-    fit = {"tpl_slot": 0, "search_slot": 2, "width": w, "height": h, "tpl_x": size[0] - w, "tpl_y": size[1] - h,
-           "search_x": size[0] - w - 1, "search_y": size[1] - h - 1, "offsets_x": 2, "offsets_y": 2}
-    jobs.append(pack_job(Job(**fit)))
-    jobs += [pack_job(Job(**{**fit, name: fit[name] + 1}))
+    fit = JOB.unpack(pack_job(Job(0, size[0] - w, size[1] - h, w, h, 2, size[0] - w - 1, size[1] - h - 1, 2, 2)))
+    jobs.append(JOB.pack(fit))
+    jobs += [JOB.pack({**fit, name: fit[name] + 1})
              for name in ("tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y")]
     seen: Counter[Status] = Counter()
 

@@ -41,8 +41,9 @@ def work(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: 
                 bank, used = 1 - bank, used + 1
                 done &= ~(1 << bank)
             waiting.popleft()
-            ticket = TICKET.pack({"job": pack_job(job), "status": status, "bank": bank if status is Status.OK else 1 - bank,
-                                  "row": given, "area": job.width * job.height & 0x7FFF})
+            ticket = TICKET.pack({"job": pack_job(job), "status": status, "row": given,
+                                  "bank": bank if status is Status.OK else 1 - bank,
+                                  "area": job.width * job.height & 0x7FFF})
             if status is Status.OK:
                 rows = job.height + job.offsets_y - 1
                 loading.append((bank, rows))
@@ -62,21 +63,21 @@ def work(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: 
         if ticket is not None and out["ticket_ready_o"]:
             ticket = None
         used -= out["bank_free_o"] or 0
-        if loading and next(ends["rows"]):
-            loading_bank, rows = loading[0]
+        if loading and bool(next(ends["load"])):
+            loading_bank, missing = loading[0]
             freed = out["rows_freed_o"]
             assert freed is not None
             if not done >> loading_bank & 1:
                 done |= 1 << loading_bank
             elif (written - freed) % RING < TINY.ring_rows:
                 written = (written + 1) % RING
-                loading[0] = loading_bank, rows - 1
-                if rows == 1:
+                loading[0] = loading_bank, missing - 1
+                if missing == 1:
                     loading.popleft()
         quiet = 60 if waiting or loading or ticket is not None or out["busy_o"] else quiet - 1
 
 
-ENDS = ("ticket", "ctx", "row", "rows")
+ENDS = ("ticket", "ctx", "row", "load")
 
 
 @cocotb.test()

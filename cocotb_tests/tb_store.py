@@ -22,10 +22,12 @@ def traffic(rng: random.Random, words: int, width: int, reads: str, peeks: str) 
         if peeked is None and next(peek):
             peeked = rng.choice(hot)
         rd_valid, rd_addr, wr_addr = next(read), rng.choice(hot), rng.choice(hot)
-        wr_valid = int(rng.random() < 0.5 and not (rd_valid and rd_addr == wr_addr) and wr_addr not in (pending, peeked))
+        free = not (rd_valid and rd_addr == wr_addr) and wr_addr not in (pending, peeked)
+        wr_valid = int(rng.random() < 0.5 and free)
         out = yield {"rst_i": int(t == CLOCKS // 2), "wr_valid_i": wr_valid, "wr_addr_i": wr_addr,
                      "wr_data_i": rng.getrandbits(width), "rd_valid_i": rd_valid, "rd_addr_i": rd_addr,
-                     "peek_valid_i": int(peeked is not None), "peek_addr_i": rng.choice(hot) if peeked is None else peeked}
+                     "peek_valid_i": int(peeked is not None),
+                     "peek_addr_i": rng.choice(hot) if peeked is None else peeked}
         if peeked is not None and out["peek_ready_o"]:
             pending, peeked = peeked, None
         if out["peek_done_o"]:

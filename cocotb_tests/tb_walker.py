@@ -14,8 +14,9 @@ from golden.structs import ROW, STEP
 def random_row(rng: random.Random, pitch: int, ring: int) -> int:
     steps = rng.choice((1, 1, 2, 3, rng.randint(1, 16)))
     return ROW.pack({
-        "final_row": rng.getrandbits(1), "bank": rng.getrandbits(1), "wide": rng.getrandbits(1), "odd": rng.getrandbits(1),
-        "last_step": steps - 1, "ring_row": rng.randrange(ring), "last_chunk": rng.choice((0, 0, 1, 2, 5)),
+        "final_row": rng.getrandbits(1), "bank": rng.getrandbits(1), "wide": rng.getrandbits(1),
+        "odd": rng.getrandbits(1), "last_step": steps - 1, "ring_row": rng.randrange(ring),
+        "last_chunk": rng.choice((0, 0, 1, 2, 5)),
         "last_lanes": rng.randint(1, pitch + 1), "gap_row": rng.choice((0, 0, 1, pitch)),
         "gap_pass": rng.choice((0, 0, 1, 2, pitch)), "free_to": rng.randrange(2 * ring)})
 

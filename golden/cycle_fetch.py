@@ -37,8 +37,9 @@ class FetchModel:
 
     INPUTS = ("rst_i", "job_valid_i", "job_i", "image_width_i", "image_height_i", "slot_valid_i", "rd_data_i",
               "ticket_ready_i", "rows_freed_i", "bank_free_i")
-    OUTPUTS = ("job_ready_o", "slot_busy_o", "rd_valid_o", "rd_addr_o", "wr_valid_o", "wr_tpl_o", "wr_wide_o", "wr_bank_o",
-               "wr_row_o", "wr_word_o", "wr_data_o", "ticket_valid_o", "ticket_o", "tpl_done_o", "rows_written_o", "busy_o")
+    OUTPUTS = ("job_ready_o", "slot_busy_o", "rd_valid_o", "rd_addr_o", "wr_valid_o", "wr_tpl_o", "wr_wide_o",
+               "wr_bank_o", "wr_row_o", "wr_word_o", "wr_data_o", "ticket_valid_o", "ticket_o", "tpl_done_o",
+               "rows_written_o", "busy_o")
 
     def __init__(self, config: Config) -> None:
         self.config = config

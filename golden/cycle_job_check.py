@@ -74,7 +74,7 @@ def loads(job: Job, config: Config) -> tuple[Load, Load]:
 
 
 class JobPlanModel:
-    """Undefined from a start (which brings the next job) until `plan_latency` later, and for jobs that no image of the board can hold."""
+    """Undefined from a start, which brings the next job, until `plan_latency` later, and for jobs no image can hold."""
 
     INPUTS = ("rst_i", "start_i", "job_i")
     OUTPUTS = ("tpl_o", "search_o")

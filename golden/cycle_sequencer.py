@@ -104,7 +104,8 @@ class SequencerModel:
             "ticket_ready_o": int(idle), "rows_freed_o": walked["rows_freed_o"], "bank_free_o": walked["bank_free_o"],
             "ctx_valid_o": int(self.ctx_valid), "ctx_o": ctx, "row_valid_o": int(self.row_valid),
             "row_offsets_o": None if job is None else job.offsets_x, "step_valid_o": walked["step_valid_o"],
-            "step_o": walked["step_o"], "mask_o": self.mask, "busy_o": int(not idle or token_pending or bool(walked["busy_o"]))}
+            "step_o": walked["step_o"], "mask_o": self.mask,
+            "busy_o": int(not idle or token_pending or bool(walked["busy_o"]))}
 
         if walked["row_ready_o"]:
             self.token = None

@@ -7,7 +7,7 @@ STORE_LATENCY = 4
 
 
 class StoreModel:
-    """`words` words; a read sees every write of earlier clocks. Words never written, and data never read, are undefined."""
+    """A read sees every write of earlier clocks. Words never written, and data before the first read, are undefined."""
 
     INPUTS = ("rst_i", "wr_valid_i", "wr_addr_i", "wr_data_i", "rd_valid_i", "rd_addr_i", "peek_valid_i", "peek_addr_i")
     OUTPUTS = ("rd_data_o", "peek_ready_o", "peek_done_o", "peek_data_o")

@@ -71,8 +71,9 @@ class Front:
                 "rd_data_i": stored or 0, "ticket_ready_i": int(seq.state == "idle"), "rows_freed_i": walker.freed,
                 "bank_free_i": walker.bank_free})
             now = {k: v or 0 for k, v in f.items()}
-            self.store.step({"rst_i": 0, "wr_valid_i": 0, "wr_addr_i": 0, "wr_data_i": 0, "rd_valid_i": now["rd_valid_o"],
-                             "rd_addr_i": now["rd_addr_o"], "peek_valid_i": 0, "peek_addr_i": 0})
+            self.store.step({"rst_i": 0, "wr_valid_i": 0, "wr_addr_i": 0, "wr_data_i": 0,
+                             "rd_valid_i": now["rd_valid_o"], "rd_addr_i": now["rd_addr_o"],
+                             "peek_valid_i": 0, "peek_addr_i": 0})
             s = seq.step({"rst_i": 0, "ticket_valid_i": now["ticket_valid_o"], "ticket_i": now["ticket_o"],
                           "tpl_done_i": now["tpl_done_o"], "rows_written_i": now["rows_written_o"],
                           "ctx_ready_i": ctx_ready, "row_ready_i": row_ready})

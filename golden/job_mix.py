@@ -46,7 +46,8 @@ def acceptable(rng: random.Random, config: Config, image_size: tuple[int, int], 
                surface=rng.random() < 0.3)
 
 
-def refused(rng: random.Random, config: Config, image_size: tuple[int, int], slot_valid: list[bool], status: Status) -> Job:
+def refused(rng: random.Random, config: Config, image_size: tuple[int, int], slot_valid: list[bool],
+            status: Status) -> Job:
     """A job refused with `status` and, where possible, barely: one step off an acceptable one.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Fetch and sequencer models: their operand writes and steps, replayed on plain memories, are the brute-force windows."""
+"""Fetch and sequencer models: their operand writes and steps, replayed on plain memories, are brute force's."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def hold_to_brute(front: Front, planes: dict[int, Plane], jobs: list[Job], size:
     """Contexts and mismatches of a finished run against the jobs; returns the scores compared."""
     valid = [s in planes for s in range(8)]
     statuses = [check(j, front.config, size, valid) for j in jobs]
-    assert [(c["tag"], c["status"]) for c in front.contexts] == [(j.tag, s) for j, s in zip(jobs, statuses, strict=True)]
+    tags = [j.tag for j in jobs]
+    assert [(c["tag"], c["status"]) for c in front.contexts] == list(zip(tags, statuses, strict=True))
     good = [j for j, s in zip(jobs, statuses, strict=True) if s is Status.OK]
     seen = [m for lanes in front.replay.mismatches for m in lanes]
     assert seen == [m for job in good for m in brute(planes, job)]
@@ -69,7 +70,8 @@ def test_random_jobs(size: tuple[int, int], stalls: str) -> None:
 def test_every_alignment(x: int) -> None:
     """Template and search at every place in a store word, windows at the group's edge."""
     planes = planes_of(TINY, (48, 36), [0, 1], 11)
-    jobs = [Job(0, x, y, w, h, 1, (x * 3 + w) % 8, 5, 9, 2) for w in (7, 8, 9, 16) for h, y in ((2, 1), (3, 20), (16, 20))]
+    jobs = [Job(0, x, y, w, h, 1, (x * 3 + w) % 8, 5, 9, 2)
+            for w in (7, 8, 9, 16) for h, y in ((2, 1), (3, 20), (16, 20))]
     front = Front(TINY, planes)
     front.run(jobs)
     assert hold_to_brute(front, planes, jobs, (48, 36)) == 12 * 18
@@ -123,7 +125,7 @@ def useful(config: Config, jobs: list[Job]) -> int:
 @pytest.mark.parametrize(("config", "window", "reach", "count"), [
     (TINY, (8, 8), 8, 12), (TINY, (8, 16), 8, 8), (TINY, (16, 16), 8, 8), (FULL, (64, 64), 32, 3)])
 def test_utilisation(config: Config, window: tuple[int, int], reach: int, count: int) -> None:
-    """A queue of equal searches keeps the array busy, its own first load included; at full size it scores every clock."""
+    """A queue of equal searches keeps the array busy, its first load included; at full size it always scores."""
     size = (config.max_width, config.max_height)
     planes = planes_of(config, size, [0, 1], 15)
     n = 2 * reach + 1
