@@ -23,6 +23,7 @@ from golden.cycle_peak_parts import (
     ScanModel,
 )
 from golden.cycle_running_max import RunningMaxModel
+from golden.cycle_stage import StageModel
 from golden.params import SCORE_BITS
 from golden.structs import CONTEXT, Layout
 
@@ -55,6 +56,15 @@ def anything(rng: random.Random, layout: Layout, **fixed: int) -> int:
 def maybe(rng: random.Random, top: int) -> int:
     """A score that may be absent."""
     return PRESENT + rng.randint(0, top) if rng.random() < 0.8 else 0
+
+
+def stage(rng: random.Random, shape: str) -> Stimulus:
+    offer, take = willing("random", rng), willing(shape, rng)
+    held = 0
+    while True:
+        held = held or next(offer) * rng.randint(1, 4095)
+        out = yield {"in_valid_i": int(held > 0), "in_data_i": held or rng.getrandbits(12), "out_ready_i": next(take)}
+        held *= not out["in_ready_o"]
 
 
 def room(rng: random.Random, shape: str) -> Stimulus:
@@ -139,7 +149,8 @@ def scan(rng: random.Random, shape: str) -> Stimulus:
     while True:
         last_x = rng.choice((0, 0, 1, 2, 6, 23))
         top = rng.choice((1, FEW, PRESENT - 1))
-        order = anything(rng, SCAN, last_x=last_x, best_x=rng.choice((0, last_x, rng.randint(0, last_x))))
+        order = anything(rng, SCAN, only=int(not last_x or rng.random() < 0.2), last_x=last_x,
+                         best_x=rng.choice((0, last_x, rng.randint(0, last_x))))
         while True:
             data = [rng.randint(0, top) for _ in range(BANKS)]
             i = {"order_valid_i": next(offer), "order_i": order,
@@ -164,10 +175,10 @@ def collect(rng: random.Random, shape: str) -> Stimulus:
                "outcome_i": anything(rng, OUTCOME, other=maybe(rng, top), score=maybe(rng, top))}
 
 
-TRAFFIC = {"room": room, "rows": rows, "intake": intake, "max": running_max, "best": best, "scan": scan,
+TRAFFIC = {"stage": stage, "room": room, "rows": rows, "intake": intake, "max": running_max, "best": best, "scan": scan,
            "collect": collect}
-COUNTED = ("room_row_ready_o", "rows_row_valid_o", "intake_score_valid_o", "intake_surf_valid_o", "max_out_valid_o",
-           "best_order_valid_o", "scan_near_valid_o", "scan_far_valid_o", "collect_around_valid_o",
+COUNTED = ("stage_out_valid_o", "room_row_ready_o", "rows_row_valid_o", "intake_score_valid_o", "intake_surf_valid_o",
+           "max_out_valid_o", "best_order_valid_o", "scan_near_valid_o", "scan_far_valid_o", "collect_around_valid_o",
            "collect_verdict_valid_o")
 
 
@@ -194,7 +205,8 @@ async def every_clock(dut, shape: str) -> None:
         seen.update(n for n in COUNTED if out[n])
 
     p = params()
-    model = SideBySide(room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]), rows=RowsModel(), intake=IntakeModel(BANKS),
-                       max=RunningMaxModel(), best=BestModel(), scan=ScanModel(BANKS), collect=CollectModel())
+    model = SideBySide(stage=StageModel(), room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]), rows=RowsModel(),
+                       intake=IntakeModel(BANKS), max=RunningMaxModel(), best=BestModel(), scan=ScanModel(BANKS),
+                       collect=CollectModel())
     await check_cycles(dut, model, together(rng, shape), count)
     assert all(seen[n] >= 10 for n in COUNTED), seen

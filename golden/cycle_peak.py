@@ -19,6 +19,7 @@ from golden.cycle_peak_parts import (
 from golden.cycle_ram import RamModel
 from golden.cycle_ram_fifo import RamFifoModel
 from golden.cycle_running_max import RunningMaxModel
+from golden.cycle_stage import StageModel
 from golden.params import NO_SCORE, SCORE_BITS
 from golden.structs import RESULT
 
@@ -31,6 +32,14 @@ SURFACE_ROOM = 4
 def known(value: int | None) -> int:
     """A value that a valid partner says is defined, or anything else as 0."""
     return value or 0
+
+
+def fetch(rst: int, stage: StageModel, queue: deque[int], taken: int | None) -> None:
+    """A clock edge of a stage behind a queue, whose user takes a word or not."""
+    out = stage.step({"rst_i": rst, "in_valid_i": int(bool(queue)), "in_data_i": queue[0] if queue else 0,
+                      "out_ready_i": known(taken)})
+    if queue and out["in_ready_o"]:
+        queue.popleft()
 
 
 class PeakModel:
@@ -53,11 +62,11 @@ class PeakModel:
 
     def clear(self) -> None:
         """Empty the queues between the parts."""
-        self.contexts: deque[int] = deque()
+        self.contexts, self.context = deque[int](), StageModel()
         self.surface: deque[tuple[int, int, int]] = deque()
-        self.begun: deque[int] = deque()
+        self.begun, self.begun_row = deque[int](), StageModel()
         self.tops: deque[tuple[int, int]] = deque()
-        self.outcomes: deque[int] = deque()
+        self.outcomes, self.outcome = deque[int](), StageModel()
         self.kept, self.has_room, self.surf_ok = 0, 0, 0
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
@@ -91,8 +100,7 @@ class PeakModel:
         if intake["surf_valid_o"]:
             self.surface.append((known(intake["surf_last_o"]), known(intake["surf_first_o"]), known(intake["score_o"])))
         self.surf_ok = int(room <= SURFACE_DEPTH - SURFACE_ROOM)
-        if best["row_ready_o"]:
-            self.begun.popleft()
+        fetch(rst, self.begun_row, self.begun, best["row_ready_o"])
         if best["top_ready_o"]:
             self.tops.popleft()
         if row is not None:
@@ -103,8 +111,7 @@ class PeakModel:
                                  "in_value_i": known(intake["score_o"]), "in_index_i": known(intake["score_x_o"])})
         if top["out_valid_o"]:
             self.tops.append((known(top["out_value_o"]), known(top["out_index_o"])))
-        if scan["far_valid_o"]:
-            self.outcomes.popleft()
+        fetch(rst, self.outcome, self.outcomes, scan["far_valid_o"])
         if ordered:
             self.outcomes.append(known(best["outcome_o"]))
         if rst:
@@ -121,7 +128,7 @@ class PeakModel:
         """Outputs of the decision on rows and of the scan."""
         score, x = self.tops[0] if self.tops else (0, 0)
         best = self.best.step({
-            "rst_i": rst, "row_valid_i": int(bool(self.begun)), "row_i": self.begun[0] if self.begun else 0,
+            "rst_i": rst, "row_valid_i": int(self.begun_row.word is not None), "row_i": known(self.begun_row.word),
             "top_level_i": len(self.tops), "top_score_i": score, "top_x_i": x, "room_i": self.has_room,
             "order_ready_i": int(self.scan.ready)})
         data = sum(known(bank.out) << b * SCORE_BITS for b, bank in enumerate(self.banks))
@@ -133,7 +140,7 @@ class PeakModel:
         """Outputs of the collection of neighbours and runner-up."""
         near = {name.replace("_o", "_i"): known(scan[name]) for name in (*ScanModel.NEAR, "near_valid_o", "near_end_o",
                                                                         "far_valid_o", "far_o")}
-        return self.collect.step({"rst_i": rst, **near, "outcome_i": self.outcomes[0] if self.outcomes else 0})
+        return self.collect.step({"rst_i": rst, **near, "outcome_i": known(self.outcome.word)})
 
     def take_in(self, i: dict[str, int], out: Outputs, released: int) -> tuple[Outputs, int | None]:
         """Outputs of the intake, and the row it begins."""
@@ -146,11 +153,10 @@ class PeakModel:
             "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
             "scoring_i": scoring, "released_i": released, "mismatch_valid_i": int(queued is not None),
             "mismatch_i": known(queued), "surf_ok_i": self.surf_ok})
-        rows = self.rows.step({"rst_i": rst, "ctx_valid_i": int(bool(self.contexts)),
-                               "ctx_i": self.contexts[0] if self.contexts else 0,
+        rows = self.rows.step({"rst_i": rst, "ctx_valid_i": int(self.context.word is not None),
+                               "ctx_i": known(self.context.word),
                                "row_ready_i": known(intake["row_ready_o"])})
-        if rows["ctx_ready_o"] and self.contexts:
-            self.contexts.popleft()
+        fetch(rst, self.context, self.contexts, rows["ctx_ready_o"])
         if i["ctx_valid_i"] and out["ctx_ready_o"]:
             self.contexts.append(i["ctx_i"])
         taken = int(queued is not None and bool(intake["mismatch_ready_o"]))

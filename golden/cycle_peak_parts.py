@@ -15,7 +15,8 @@ from golden.structs import CONTEXT, Layout
 PRESENT = 1 << SCORE_BITS
 ROW = Layout(("tag", 16), ("status", 3), ("last_x", 10), ("y", 10), ("first", 1), ("last", 1))
 SCORING = Layout(("surface", 1), ("area", 15))
-SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("last_x", 10), ("best_x", 10))
+SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("only", 1),
+              ("last_x", 10), ("best_x", 10))
 OUTCOME = Layout(("fresh", 1), ("last", 1), ("other", 16), ("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10),
                  ("score", 16))
 VERDICT = Layout(("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10), ("score", 15), ("runner_up", 15))
@@ -162,7 +163,7 @@ class BestModel:
         row, tops = self.row, self.tops
         if row["status"] != Status.OK:
             return (SCAN.pack({"fresh": 1, "last": row["last"], "above": 0, "middle": 0, "below": not row["last"],
-                               "last_x": 0, "best_x": tops[-1][1]}),
+                               "only": 1, "last_x": row["last_x"], "best_x": tops[-1][1]}),
                     OUTCOME.pack({**row, "fresh": 1, "other": 0, "best_x": 0, "best_y": row["y"], "score": 0}))
         scores = [score for score, _ in tops]
         r, best = len(tops) - 1, scores.index(max(scores))
@@ -170,7 +171,8 @@ class BestModel:
         # What the scan will not see: rows above its three, or, without a scan, a row below the neighbourhood.
         candidates = scores[:max(r - 1, 0)] if fresh else scores[r:] if r >= best + 2 else []
         order = {"fresh": fresh, "last": row["last"], "above": fresh and not row["first"], "middle": fresh,
-                 "below": fresh and not row["last"], "last_x": row["last_x"] if fresh else 0, "best_x": tops[r][1]}
+                 "below": fresh and not row["last"], "only": not (fresh and row["last_x"]), "last_x": row["last_x"],
+                 "best_x": tops[r][1]}
         outcome = {**row, "fresh": fresh, "other": PRESENT + max(candidates) if candidates else 0,
                    "best_x": tops[best][1], "best_y": best, "score": PRESENT + scores[best]}
         return SCAN.pack(order), OUTCOME.pack(outcome)
@@ -252,7 +254,8 @@ class ScanModel:
             self.order, self.x = (None, 0) if self.x == o["last_x"] else (o, self.x + 1)
         if i["order_valid_i"] and out["order_ready_o"]:
             self.order, self.x, self.bank = SCAN.unpack(i["order_i"]), 0, (self.bank + 1) % banks
-            self.wait = self.order["last_x"] == 0
+            self.wait = bool(self.order["only"])
+            self.order["last_x"] *= not self.wait
         return out
 
     def take_column(self, o: dict[str, int], x: int, bank: int, data: int) -> int | None:

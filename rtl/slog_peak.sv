@@ -66,12 +66,16 @@ module slog_peak
       .clk_i, .rst_i, .row_valid_i, .row_ready_o, .row_offsets_i, .taken_i(queue_valid && queue_ready));
 
   // Contexts, unrolled into rows.
-  logic ctx_valid, ctx_ready;
-  context_t ctx;
+  logic ctx_valid, ctx_ready, queued_ctx_valid, queued_ctx_ready;
+  context_t ctx, queued_ctx;
   logic [$clog2(ContextDepth+1)-1:0] unused_ctx_level;
   slog_fifo #(.Width($bits(context_t)), .Depth(ContextDepth)) u_contexts (
       .clk_i, .rst_i, .in_valid_i(ctx_valid_i), .in_ready_o(ctx_ready_o), .in_data_i(ctx_i),
-      .out_valid_o(ctx_valid), .out_ready_i(ctx_ready), .out_data_o(ctx), .level_o(unused_ctx_level));
+      .out_valid_o(queued_ctx_valid), .out_ready_i(queued_ctx_ready), .out_data_o(queued_ctx),
+      .level_o(unused_ctx_level));
+  slog_stage #(.Width($bits(context_t))) u_context (
+      .clk_i, .rst_i, .in_valid_i(queued_ctx_valid), .in_ready_o(queued_ctx_ready), .in_data_i(queued_ctx),
+      .out_valid_o(ctx_valid), .out_ready_i(ctx_ready), .out_data_o(ctx));
 
   logic row_valid, row_ready;
   row_t row;
@@ -128,14 +132,18 @@ module slog_peak
       .in_value_i(score), .in_index_i(score_x),
       .out_valid_o(max_valid), .out_value_o(max_score), .out_index_o(max_x));
 
-  logic begun_valid, begun_ready, begun_room, top_valid, top_ready, top_room;
-  row_t begun;
+  logic begun_valid, begun_ready, begun_room, queued_begun_valid, queued_begun_ready, top_valid, top_ready, top_room;
+  row_t begun, queued_begun;
   logic [ScoreW-1:0] top_score;
   logic [9:0] top_x;
   logic [RowLevelW-1:0] top_level, unused_begun_level;
   slog_fifo #(.Width($bits(row_t)), .Depth(RowDepth)) u_begun (
       .clk_i, .rst_i, .in_valid_i(row_valid && row_ready), .in_ready_o(begun_room), .in_data_i(row),
-      .out_valid_o(begun_valid), .out_ready_i(begun_ready), .out_data_o(begun), .level_o(unused_begun_level));
+      .out_valid_o(queued_begun_valid), .out_ready_i(queued_begun_ready), .out_data_o(queued_begun),
+      .level_o(unused_begun_level));
+  slog_stage #(.Width($bits(row_t))) u_begun_stage (
+      .clk_i, .rst_i, .in_valid_i(queued_begun_valid), .in_ready_o(queued_begun_ready), .in_data_i(queued_begun),
+      .out_valid_o(begun_valid), .out_ready_i(begun_ready), .out_data_o(begun));
   slog_fifo #(.Width(ScoreW + 10), .Depth(RowDepth)) u_tops (
       .clk_i, .rst_i, .in_valid_i(max_valid), .in_ready_o(top_room), .in_data_i({max_score, max_x}),
       .out_valid_o(top_valid), .out_ready_i(top_ready), .out_data_o({top_score, top_x}), .level_o(top_level));
@@ -159,12 +167,16 @@ module slog_peak
       .near_centre_o(near_centre), .near_east_o(near_east), .near_above_o(near_above),
       .near_middle_o(near_middle), .near_below_o(near_below), .far_valid_o(far_valid), .far_o(far));
 
-  logic outcome_valid, outcome_room;
-  outcome_t outcome;
+  logic outcome_valid, outcome_room, queued_outcome_valid, queued_outcome_ready;
+  outcome_t outcome, queued_outcome;
   logic [$clog2(OutcomeDepth+1)-1:0] unused_outcome_level;
   slog_fifo #(.Width($bits(outcome_t)), .Depth(OutcomeDepth)) u_outcomes (
       .clk_i, .rst_i, .in_valid_i(order_valid && order_ready), .in_ready_o(outcome_room), .in_data_i(decided),
-      .out_valid_o(outcome_valid), .out_ready_i(far_valid), .out_data_o(outcome), .level_o(unused_outcome_level));
+      .out_valid_o(queued_outcome_valid), .out_ready_i(queued_outcome_ready), .out_data_o(queued_outcome),
+      .level_o(unused_outcome_level));
+  slog_stage #(.Width($bits(outcome_t))) u_outcome (
+      .clk_i, .rst_i, .in_valid_i(queued_outcome_valid), .in_ready_o(queued_outcome_ready),
+      .in_data_i(queued_outcome), .out_valid_o(outcome_valid), .out_ready_i(far_valid), .out_data_o(outcome));
 
   logic around_valid, verdict_valid;
   logic [7:0][ScoreW-1:0] around;

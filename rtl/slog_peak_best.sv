@@ -36,7 +36,7 @@ module slog_peak_best
     output logic [1:0]        released_o    // row banks no later scan reads
 );
   // The row being decided.
-  logic valid_q, compared_q, fresh_q, refused_q;
+  logic valid_q, compared_q, fresh_q, refused_q, single_q;  // single_q: one column
   row_t row_q;
   logic [ScoreW-1:0] top_q;
   logic [9:0] top_x_q;
@@ -72,6 +72,7 @@ module slog_peak_best
     if (load) begin
       row_q     <= row_i;
       refused_q <= refused;
+      single_q  <= row_i.last_x == '0;
       top_q     <= top_score_i;
       top_x_q   <= top_x_i;
     end
@@ -91,7 +92,8 @@ module slog_peak_best
 
   always_comb begin
     order_o = '{fresh: fresh_q, last: row_q.last, above: fresh_q && !row_q.first, middle: fresh_q && !refused_q,
-                below: fresh_q && !row_q.last, last_x: (fresh_q && !refused_q) ? row_q.last_x : '0, best_x: top_x_q};
+                below: fresh_q && !row_q.last, only: !fresh_q || refused_q || single_q,
+                last_x: row_q.last_x, best_x: top_x_q};
     outcome_o = '{fresh: fresh_q, last: row_q.last, other: '0, tag: row_q.tag, status: row_q.status,
                   best_x: fresh_q ? top_x_q : best_x_q, best_y: fresh_q ? row_q.y : best_y_q,
                   score: {1'b1, fresh_q ? top_q : best_q}};

@@ -33,6 +33,7 @@ package slog_peak_pkg;
     logic       above;   // which of the three rows are read
     logic       middle;
     logic       below;
+    logic       only;    // one column, whatever last_x says
     logic [9:0] last_x;
     logic [9:0] best_x;
   } scan_t;

@@ -4,7 +4,7 @@
 //   4  above > below            5  greater       6  greater > middle     7  greater, 0 near the best     10 far_valid_o
 // Latency    : column 0 is read one clock after the order is taken, an only column two; near_* three clocks after a
 //              column's read; far_* ten clocks after the last column's read.
-// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, at least two (so that far_*
+// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, one of an only column two (so that far_*
 //              come at most in every other clock), and never pauses.
 // Formats    : scores as maybe_t; far_o is 0 where nothing is outside the neighbourhood.
 `include "slog_assert.svh"
@@ -90,7 +90,7 @@ module slog_peak_scan
       east_q     <= 11'(order_i.best_x) + 11'd1;
       first_q    <= 1'b1;
       last_q     <= 1'b0;
-      wait_q     <= order_i.last_x == '0;
+      wait_q     <= order_i.only;
       x_q        <= '0;
       left_q     <= order_i.last_x;
       read_q     <= (next_bank & {Banks{order_i.middle}})

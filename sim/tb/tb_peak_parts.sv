@@ -10,6 +10,12 @@ module tb_peak_parts
 ) (
     input  logic clk_i,
     input  logic rst_i,
+    input  logic stage_in_valid_i,
+    output logic stage_in_ready_o,
+    input  logic [11:0] stage_in_data_i,
+    output logic stage_out_valid_o,
+    input  logic stage_out_ready_i,
+    output logic [11:0] stage_out_data_o,
     input  logic room_row_valid_i,
     output logic room_row_ready_o,
     input  logic [9:0] room_row_offsets_i,
@@ -97,6 +103,10 @@ module tb_peak_parts
     output logic collect_verdict_valid_o,
     output verdict_t collect_verdict_o
 );
+  slog_stage #(.Width(12)) u_stage (
+      .clk_i, .rst_i, .in_valid_i(stage_in_valid_i), .in_ready_o(stage_in_ready_o), .in_data_i(stage_in_data_i),
+      .out_valid_o(stage_out_valid_o), .out_ready_i(stage_out_ready_i), .out_data_o(stage_out_data_o));
+
   slog_peak_room #(.Depth(ScoreDepth), .MaxOffsets(MaxOffsets)) u_room (
       .clk_i, .rst_i, .row_valid_i(room_row_valid_i), .row_ready_o(room_row_ready_o),
       .row_offsets_i(room_row_offsets_i), .taken_i(room_taken_i));

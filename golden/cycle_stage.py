@@ -1,0 +1,24 @@
+"""Cycle model of `slog_stage`."""
+
+from __future__ import annotations
+
+
+class StageModel:
+    """One register between two handshakes. Data is undefined while not offered."""
+
+    INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
+    OUTPUTS = ("in_ready_o", "out_valid_o", "out_data_o")
+
+    def __init__(self) -> None:
+        self.word: int | None = None
+
+    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        ready = self.word is None or bool(i["out_ready_i"])
+        out: dict[str, int | None] = {"in_ready_o": int(ready), "out_valid_o": int(self.word is not None),
+                                      "out_data_o": self.word}
+        if i["rst_i"]:
+            self.word = None
+        elif ready:
+            self.word = i["in_data_i"] if i["in_valid_i"] else None
+        return out

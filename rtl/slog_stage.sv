@@ -1,0 +1,35 @@
+// One register between two handshakes: cuts the path from a queue's memory to its user.
+//
+// Latency    : a word taken in clock t is offered in clock t+1.
+// Throughput : one word per clock; in_ready_o follows out_ready_i within the clock.
+`include "slog_assert.svh"
+module slog_stage #(
+    parameter int unsigned Width = 8
+) (
+    input  logic             clk_i,
+    input  logic             rst_i,
+    input  logic             in_valid_i,
+    output logic             in_ready_o,
+    input  logic [Width-1:0] in_data_i,
+    output logic             out_valid_o,
+    input  logic             out_ready_i,
+    output logic [Width-1:0] out_data_o
+);
+  logic valid_q;
+  logic [Width-1:0] data_q;
+
+  assign in_ready_o  = !valid_q || out_ready_i;
+  assign out_valid_o = valid_q;
+  assign out_data_o  = data_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) valid_q <= 1'b0;
+    else if (in_ready_o) valid_q <= in_valid_i;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (in_ready_o) data_q <= in_data_i;
+  end
+
+  `SLOG_ASSERT_STABLE(SlogStageOutStable, out_valid_o, out_ready_i, out_data_o)
+endmodule : slog_stage
