@@ -8,6 +8,7 @@ gen/slog_csr_pkg.sv
 slog_ram.sv
 slog_mult.sv
 slog_fifo.sv
+slog_stage.sv
 slog_store.sv
 slog_align.sv
 slog_job_check.sv
