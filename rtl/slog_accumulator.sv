@@ -24,26 +24,27 @@ module slog_accumulator #(
     input  logic [CountBits-1:0] count_i[Lanes],
     output logic [ScoreBits-1:0] total_o[Lanes]
 );
-  logic [ScoreBits-1:0] first_d[Lanes], first_q[Lanes];
-  logic [ScoreBits-1:0] total_d[Lanes], total_q[Lanes], carry_d[Lanes], carry_q[Lanes];
-
-  always_comb begin
-    first_d[0] = {first_q[0][ScoreBits-2:0], first_i};
-    /* verilator unroll_disable */
-    for (int unsigned k = 1; k < Lanes; k++) first_d[k] = {first_q[k][ScoreBits-2:0], first_q[k-1][0]};
-    /* verilator unroll_disable */
-    for (int unsigned k = 0; k < Lanes; k++) begin
-      total_d[k] = (total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]) ^ carry_q[k];
-      carry_d[k] = ScoreBits'({((total_q[k] & ~first_q[k]) & ScoreBits'(count_i[k])) |
-          (carry_q[k] & ((total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]))), extra_i[k]});
-    end
-  end
+  logic [ScoreBits-1:0] first_q[Lanes], total_q[Lanes], carry_q[Lanes];
 
   always_ff @(posedge clk_i) begin
     if (move_i) begin
-      first_q <= first_d;
-      total_q <= total_d;
-      carry_q <= carry_d;
+      static logic behind[Lanes];
+      static logic [ScoreBits-1:0] first[Lanes];
+      static logic [ScoreBits-1:0] total[Lanes];
+      static logic [ScoreBits-1:0] carry[Lanes];
+      behind[0] = first_i;
+      /* verilator unroll_disable */
+      for (int unsigned k = 1; k < Lanes; k++) behind[k] = first_q[k-1][0];
+      /* verilator unroll_disable */
+      for (int unsigned k = 0; k < Lanes; k++) begin
+        first[k] = {first_q[k][ScoreBits-2:0], behind[k]};
+        total[k] = (total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]) ^ carry_q[k];
+        carry[k] = ScoreBits'({((total_q[k] & ~first_q[k]) & ScoreBits'(count_i[k])) |
+                               (carry_q[k] & ((total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]))), extra_i[k]});
+      end
+      first_q <= first;
+      total_q <= total;
+      carry_q <= carry;
     end
   end
   assign total_o = total_q;

@@ -15,21 +15,20 @@ module slog_add_halves #(
     output logic [Width-1:0]   sum_o[Lanes],
     output logic [Width-1:0]   carry_o[Lanes]
 );
-  logic [Width-1:0] sum_d[Lanes], sum_q[Lanes], carry_d[Lanes], carry_q[Lanes];
-
-  always_comb begin
-    /* verilator unroll_disable */
-    for (int unsigned k = 0; k < Lanes; k++) begin
-      sum_d[k] = bits_i[k][Width-1:0] ^ bits_i[k][2*Width-1:Width] ^ carry_i[k];
-      carry_d[k] = (bits_i[k][Width-1:0] & bits_i[k][2*Width-1:Width]) |
-                   (carry_i[k] & (bits_i[k][Width-1:0] ^ bits_i[k][2*Width-1:Width]));
-    end
-  end
+  logic [Width-1:0] sum_q[Lanes], carry_q[Lanes];
 
   always_ff @(posedge clk_i) begin
     if (move_i) begin
-      sum_q   <= sum_d;
-      carry_q <= carry_d;
+      static logic [Width-1:0] sum[Lanes];
+      static logic [Width-1:0] carry[Lanes];
+      /* verilator unroll_disable */
+      for (int unsigned k = 0; k < Lanes; k++) begin
+        sum[k] = bits_i[k][Width-1:0] ^ bits_i[k][2*Width-1:Width] ^ carry_i[k];
+        carry[k] = (bits_i[k][Width-1:0] & bits_i[k][2*Width-1:Width]) |
+                   (carry_i[k] & (bits_i[k][Width-1:0] ^ bits_i[k][2*Width-1:Width]));
+      end
+      sum_q   <= sum;
+      carry_q <= carry;
     end
   end
   assign sum_o   = sum_q;

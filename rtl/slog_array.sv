@@ -14,8 +14,11 @@
 //
 // Throughput : one operand row of both groups per clock; one score per clock.
 // Rules      : operands are 0 where they must not count: all of them in clocks without valid_i, group B's in the odd
-//              last row. Last rows of passes are at least lanes_i clocks apart. move_i is high from a valid clock until
-//              slog_array_pkg::hold_clocks later at least, and in reset; in other clocks it may be low and everything holds.
+//              last row. Last rows of passes are at least lanes_i clocks apart. While move_i is low everything holds
+//              and operands are not taken; it is high for slog_array_pkg::hold_clocks after a valid clock at least.
+// Simulation : all of a lane's bits stand in one word, all work is loops over lanes that Verilator leaves as loops
+//              (unroll_disable) and the compiler vectorises, over scratch arrays that are static so that entering the
+//              block does not clear them. With move_i low nothing is done at all.
 // Formats    : mismatch unsigned, 0..(2*GroupBits)**2, and 0 while mismatch_valid_o is low.
 `include "slog_assert.svh"
 module slog_array #(
@@ -61,7 +64,7 @@ module slog_array #(
   // The control bits wait for bit 0 of lane 0's count.
   logic [Levels:0] first_q;
   logic [Levels+1:0] last_q;
-  logic [LaneW-1:0] lanes_q[Levels+2];
+  logic [Levels+1:0][LaneW-1:0] lanes_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       first_q <= '0;
@@ -73,8 +76,7 @@ module slog_array #(
   end
   always_ff @(posedge clk_i) begin
     if (move_i) begin
-      lanes_q[0] <= lanes_i;
-      for (int unsigned d = 1; d < Levels + 2; d++) lanes_q[d] <= lanes_q[d-1];
+      lanes_q <= {lanes_q[Levels:0], lanes_i};
     end
   end
 

@@ -10,7 +10,7 @@
 //   -    early_q     the lower bits wait for the top one: 3 + ScoreBits
 //
 // Latency    : last_i to mismatch_valid_o of lane 0: 3 + ScoreBits clocks.
-// Throughput : one score per clock; a pass's last_i comes at least lanes clocks after the one before.
+// Throughput : one score per clock; a pass's last_i comes at least lanes clocks after the one behind.
 // Formats    : mismatch unsigned; lanes 1..Lanes. mismatch_o is 0 while mismatch_valid_o is low.
 `include "slog_assert.svh"
 module slog_emit #(
@@ -51,35 +51,43 @@ module slog_emit #(
     end
   end
 
-  logic [ScoreBits-1:0] token_d[Lanes], token_q[Lanes], taken[2*Pairs];
-  logic [ScoreBits-1:0] pair_d[4*Fews], pair_q[4*Fews], few_d[Fews], few_q[Fews], word_d, word_q;
-  always_comb begin
-    token_d[0] = {token_q[0][ScoreBits-2:0], last_i};
-    /* verilator unroll_disable */
-    for (int unsigned k = 1; k < Lanes; k++) token_d[k] = {token_q[k][ScoreBits-2:0], token_q[k-1][0] & more_q};
-    taken[2*Pairs-1] = '0;
-    /* verilator unroll_disable */
-    for (int unsigned k = 0; k < Lanes; k++) taken[k] = total_i[k] & token_q[k];
-    for (int unsigned p = Pairs; p < 4 * Fews; p++) pair_d[p] = '0;
-    /* verilator unroll_disable */
-    for (int unsigned p = 0; p < Pairs; p++) pair_d[p] = taken[p] | taken[p+Pairs];
-    /* verilator unroll_disable */
-    for (int unsigned f = 0; f < Fews; f++) begin
-      few_d[f] = pair_q[f] | pair_q[f+Fews] | pair_q[f+2*Fews] | pair_q[f+3*Fews];
+  logic [ScoreBits-1:0] token_q[Lanes], pair_q[4*Fews], few_q[Fews], word_q;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      token_q <= '{default: '0};
+    end else if (move_i) begin
+      static logic behind[Lanes];
+      static logic [ScoreBits-1:0] token[Lanes];
+      behind[0] = last_i;
+      /* verilator unroll_disable */
+      for (int unsigned k = 1; k < Lanes; k++) behind[k] = token_q[k-1][0] & more_q;
+      /* verilator unroll_disable */
+      for (int unsigned k = 0; k < Lanes; k++) token[k] = {token_q[k][ScoreBits-2:0], behind[k]};
+      token_q <= token;
     end
-    word_d = '0;
-    for (int unsigned f = 0; f < Fews; f++) word_d |= few_q[f];
   end
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) token_q <= '{default: '0};
-    else if (move_i) token_q <= token_d;
-  end
-  always_ff @(posedge clk_i) begin
     if (move_i) begin
-      pair_q <= pair_d;
-      few_q  <= few_d;
-      word_q <= word_d;
+      static logic [ScoreBits-1:0] upper[Pairs];
+      static logic [ScoreBits-1:0] pair[4*Fews];
+      static logic [ScoreBits-1:0] few[Fews];
+      static logic [ScoreBits-1:0] word;
+      upper[Pairs-1] = '0;
+      /* verilator unroll_disable */
+      for (int unsigned p = 0; p < Lanes - Pairs; p++) upper[p] = total_i[p+Pairs] & token_q[p+Pairs];
+      for (int unsigned p = Pairs; p < 4 * Fews; p++) pair[p] = '0;
+      /* verilator unroll_disable */
+      for (int unsigned p = 0; p < Pairs; p++) pair[p] = (total_i[p] & token_q[p]) | upper[p];
+      for (int unsigned f = 0; f < Fews; f++) begin
+        few[f] = pair_q[f] | pair_q[f+Fews] | pair_q[f+2*Fews] | pair_q[f+3*Fews];
+      end
+      word = '0;
+      for (int unsigned f = 0; f < Fews; f++) word |= few_q[f];
+      pair_q <= pair;
+      few_q  <= few;
+      word_q <= word;
     end
   end
 

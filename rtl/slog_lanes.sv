@@ -23,29 +23,30 @@ module slog_lanes #(
     input  logic [GroupBits-1:0]  mask_i,
     output logic [GroupBits-1:0]  x_o[Lanes]
 );
-  logic [GroupBits-1:0] tpl_d[Lanes], tpl_q[Lanes], search_d[Lanes], search_q[Lanes], x_d[Lanes], x_q[Lanes];
-  logic [Lanes-2:0] ahead_d[Lanes], ahead_q[Lanes];
-
-  always_comb begin
-    tpl_d[0]    = tpl_i;
-    search_d[0] = search_i[GroupBits-1:0];
-    ahead_d[0]  = search_i[SearchBits-1:GroupBits];
-    /* verilator unroll_disable */
-    for (int unsigned k = 1; k < Lanes; k++) begin
-      tpl_d[k]    = tpl_q[k-1];
-      search_d[k] = {ahead_q[k-1][0], search_q[k-1][GroupBits-1:1]};
-      ahead_d[k]  = ahead_q[k-1] >> 1;
-    end
-    /* verilator unroll_disable */
-    for (int unsigned k = 0; k < Lanes; k++) x_d[k] = (tpl_q[k] ^ search_q[k]) & mask_i;
-  end
+  logic [GroupBits-1:0] tpl_q[Lanes], search_q[Lanes], x_q[Lanes];
+  logic [Lanes-2:0] ahead_q[Lanes];
 
   always_ff @(posedge clk_i) begin
     if (move_i) begin
-      tpl_q    <= tpl_d;
-      search_q <= search_d;
-      ahead_q  <= ahead_d;
-      x_q      <= x_d;
+      static logic [GroupBits-1:0] tpl[Lanes];
+      static logic [GroupBits-1:0] search[Lanes];
+      static logic [GroupBits-1:0] x[Lanes];
+      static logic [Lanes-2:0] ahead[Lanes];
+      tpl[0]    = tpl_i;
+      search[0] = search_i[GroupBits-1:0];
+      ahead[0]  = search_i[SearchBits-1:GroupBits];
+      /* verilator unroll_disable */
+      for (int unsigned k = 1; k < Lanes; k++) begin
+        tpl[k]    = tpl_q[k-1];
+        search[k] = {ahead_q[k-1][0], search_q[k-1][GroupBits-1:1]};
+        ahead[k]  = ahead_q[k-1] >> 1;
+      end
+      /* verilator unroll_disable */
+      for (int unsigned k = 0; k < Lanes; k++) x[k] = (tpl_q[k] ^ search_q[k]) & mask_i;
+      tpl_q    <= tpl;
+      search_q <= search;
+      ahead_q  <= ahead;
+      x_q      <= x;
     end
   end
   assign x_o = x_q;

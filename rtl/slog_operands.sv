@@ -1,4 +1,4 @@
-// Holds the operands of the correlator array, two templates and a ring of search rows, and reads a row of both per clock.
+// Holds the correlator array's operands, two templates and a ring of search rows, and reads a row of both per clock.
 //
 //   tpl_a = template row s, tpl_b = template row s+1, s = 2*tpl_step; search rows ring_row and the next    (paired)
 //   tpl_a = low, tpl_b = high word of template row tpl_step; search row ring_row, its low and high part    (wide)
@@ -10,8 +10,8 @@
 //
 // Throughput : one step and one written word per clock.
 // Formats    : bit 0 is leftmost; search rows start at unit step_i.chunk of the ring row (units of GroupBits/2 bits).
-// Rules      : both groups are 0 while valid_o is low, group B also when its row is not there (row_b low). A word can be
-//              read from slog_array_pkg::WriteLatency after its wr_valid_i on, and may be written again
+// Rules      : both groups are 0 while valid_o is low, group B also when its row is not there (row_b low). A word can
+//              be read from slog_array_pkg::WriteLatency after its wr_valid_i on, and may be written again
 //              slog_array_pkg::ReuseClocks after the last step that reads it.
 // move_o stays high for slog_array_pkg::hold_clocks after valid_o, then, with HoldIdle, lets the array stand still.
 `include "slog_assert.svh"

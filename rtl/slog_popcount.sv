@@ -8,7 +8,7 @@
 // has GroupBits / 2**l nodes and takes group A's bits GroupBits / 2**l and up; node r adds numbers r and r + (nodes).
 //
 // Stage   registers                    valid after the clock of a_i, b_i
-//   l     late_q of level l + 1        l: group A's bits that enter above level l
+//   l     enter_q, rest_q of level l+1 l: group A's bits that enter at level l+1, and above
 //   l     sum, carry of level l        l + i: bit i
 //         top_q of level l             l + l: the top bit waits, so that it too is one clock after the bit below
 //
@@ -27,21 +27,35 @@ module slog_popcount #(
     output logic [Levels:0]      count_o[Lanes],
     output logic                 extra_o[Lanes]
 );
+  // Group A's bits above level l: those for its nodes, and the rest for the levels above.
   for (genvar l = 1; l <= Levels; l++) begin : g_late
-    localparam int unsigned Kept = (2 * GroupBits) >> l;
-    logic [Kept-1:0] bits[Lanes];
+    localparam int unsigned Nodes = GroupBits >> l;
+    logic [Nodes-1:0] enter[Lanes], rest[Lanes];
     if (l == 1) begin : g_now
-      assign bits = a_i;
-    end else begin : g_delay
-      logic [Kept-1:0] late_d[Lanes], late_q[Lanes];
       always_comb begin
         /* verilator unroll_disable */
-        for (int unsigned k = 0; k < Lanes; k++) late_d[k] = g_late[l-1].bits[k][Kept-1:0];
+        for (int unsigned k = 0; k < Lanes; k++) begin
+          enter[k] = a_i[k][2*Nodes-1:Nodes];
+          rest[k]  = a_i[k][Nodes-1:0];
+        end
       end
+    end else begin : g_delay
+      logic [Nodes-1:0] enter_q[Lanes], rest_q[Lanes];
       always_ff @(posedge clk_i) begin
-        if (move_i) late_q <= late_d;
+        if (move_i) begin
+          static logic [Nodes-1:0] high[Lanes];
+          static logic [Nodes-1:0] low[Lanes];
+          /* verilator unroll_disable */
+          for (int unsigned k = 0; k < Lanes; k++) begin
+            high[k] = g_late[l-1].rest[k][2*Nodes-1:Nodes];
+            low[k]  = g_late[l-1].rest[k][Nodes-1:0];
+          end
+          enter_q <= high;
+          rest_q  <= low;
+        end
       end
-      assign bits = late_q;
+      assign enter = enter_q;
+      assign rest  = rest_q;
     end
   end
 
@@ -55,10 +69,7 @@ module slog_popcount #(
       end else if (i < l) begin : g_add
         logic [Nodes-1:0] carry_in[Lanes], carry[Lanes];
         if (i == 0) begin : g_in
-          always_comb begin
-            /* verilator unroll_disable */
-            for (int unsigned k = 0; k < Lanes; k++) carry_in[k] = g_late[l].bits[k][2*Nodes-1:Nodes];
-          end
+          assign carry_in = g_late[l].enter;
         end else begin : g_in
           assign carry_in = g_level[l].g_bit[i-1].g_add.carry;
         end
@@ -82,8 +93,5 @@ module slog_popcount #(
       for (int unsigned k = 0; k < Lanes; k++) count_o[k][i] = g_level[Levels].g_bit[i].number[k];
     end
   end
-  always_comb begin
-    /* verilator unroll_disable */
-    for (int unsigned k = 0; k < Lanes; k++) extra_o[k] = g_late[Levels].bits[k][0];
-  end
+  assign extra_o = g_late[Levels].rest;
 endmodule : slog_popcount
