@@ -174,7 +174,8 @@ class ControlModel:
             "slot_status.writing": i["writing_i"], "slot_status.refused": i["refused_i"],
             "job.status.waiting": i["job_level_i"], "job.status.ready": i["job_ready_i"],
             "job.status.busy": i["job_busy_i"], "result.pop.waiting": i["result_level_i"],
-            "result.head.tag": r["tag"], "result.head.status": r["status"], "result.head.valid": i["result_valid_i"],
+            "result.head.tag": r["tag"] if i["result_valid_i"] else 0,
+            "result.head.status": r["status"] if i["result_valid_i"] else 0, "result.head.valid": i["result_valid_i"],
             "result.best.x": r["best_x"], "result.best.y": r["best_y"], "result.scores.score": r["score"],
             "result.scores.runner_up": r["runner_up"], "irq_status.result": i["result_valid_i"],
         }

@@ -133,9 +133,9 @@ module slog_board
 
   for (genvar c = 0; c < Cameras; c++) begin : g_camera
     slog_frontend #(
-        .MaxWidth,
-        .Radius,
-        .GroupBits
+        .MaxWidth(MaxWidth),
+        .Radius(Radius),
+        .GroupBits(GroupBits)
     ) u_frontend (
         .clk_i,
         .rst_i,
@@ -162,11 +162,11 @@ module slog_board
   end
 
   slog_capture #(
-      .Cameras,
-      .GroupBits,
-      .Slots,
-      .SlotWords,
-      .WordsPerRow
+      .Cameras(Cameras),
+      .GroupBits(GroupBits),
+      .Slots(Slots),
+      .SlotWords(SlotWords),
+      .WordsPerRow(WordsPerRow)
   ) u_capture (
       .clk_i,
       .rst_i,
@@ -242,19 +242,19 @@ module slog_board
   );
 
   slog_correlator #(
-      .GroupBits,
-      .Pitch,
-      .Lanes,
-      .ScoreBits,
-      .MaxWidth,
-      .MaxHeight,
-      .WordsPerRow,
-      .Slots,
-      .MinWindow,
-      .MaxWindow,
-      .RingRows,
-      .SurfaceDepth,
-      .ResultDepth
+      .GroupBits(GroupBits),
+      .Pitch(Pitch),
+      .Lanes(Lanes),
+      .ScoreBits(ScoreBits),
+      .MaxWidth(MaxWidth),
+      .MaxHeight(MaxHeight),
+      .WordsPerRow(WordsPerRow),
+      .Slots(Slots),
+      .MinWindow(MinWindow),
+      .MaxWindow(MaxWindow),
+      .RingRows(RingRows),
+      .SurfaceDepth(SurfaceDepth),
+      .ResultDepth(ResultDepth)
   ) u_correlator (
       .clk_i,
       .rst_i,

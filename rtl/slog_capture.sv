@@ -66,10 +66,10 @@ module slog_capture #(
 
   for (genvar c = 0; c < Cameras; c++) begin : g_channel
     slog_capture_channel #(
-        .GroupBits,
-        .Slots,
-        .SlotWords,
-        .WordsPerRow
+        .GroupBits(GroupBits),
+        .Slots(Slots),
+        .SlotWords(SlotWords),
+        .WordsPerRow(WordsPerRow)
     ) u_channel (
         .clk_i,
         .rst_i,

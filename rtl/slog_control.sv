@@ -113,12 +113,12 @@ module slog_control
   );
 
   slog_filter_bank #(
-      .Cameras,
-      .Coefs,
-      .CoefBits,
-      .MinImage,
-      .MaxWidth,
-      .MaxHeight
+      .Cameras(Cameras),
+      .Coefs(Coefs),
+      .CoefBits(CoefBits),
+      .MinImage(MinImage),
+      .MaxWidth(MaxWidth),
+      .MaxHeight(MaxHeight)
   ) u_filter_bank (
       .clk_i,
       .rst_i,
@@ -141,8 +141,8 @@ module slog_control
   );
 
   slog_peek #(
-      .GroupBits,
-      .StoreWords
+      .GroupBits(GroupBits),
+      .StoreWords(StoreWords)
   ) u_peek (
       .clk_i,
       .rst_i,
@@ -159,7 +159,7 @@ module slog_control
   );
 
   slog_counters #(
-      .Events
+      .Events(Events)
   ) u_counters (
       .clk_i,
       .rst_i,
@@ -224,8 +224,8 @@ module slog_control
   assign hwif_in.job.status.ready.next            = job_ready_i;
   assign hwif_in.job.status.busy.next             = job_busy_i;
   assign hwif_in.result.pop.waiting.next          = result_level_i;
-  assign hwif_in.result.head.tag.next             = result_i.tag;
-  assign hwif_in.result.head.status.next          = result_i.status;
+  assign hwif_in.result.head.tag.next             = result_valid_i ? result_i.tag : '0;
+  assign hwif_in.result.head.status.next          = result_valid_i ? result_i.status : '0;
   assign hwif_in.result.head.valid.next           = result_valid_i;
   assign hwif_in.result.best.x.next               = result_i.best_x;
   assign hwif_in.result.best.y.next               = result_i.best_y;

@@ -11,11 +11,11 @@ from cocotb_tests.env.cycle import Inputs, Outputs
 
 @dataclass
 class Access:
-    """One register access; a read's data is filled in when it has come."""
+    """One register access; a read's data is filled in when it has come: None if undefined."""
 
     address: int
     write: bool = False
-    data: int = 0
+    data: int | None = 0
     strobes: int = 0xF
     done: bool = False
 
@@ -66,7 +66,7 @@ class AxilMaster:
         ready = next(self.ready)
         self._inputs = {
             "s_axil_awvalid": int(aw is not None), "s_axil_awaddr": aw.address if aw else 0,
-            "s_axil_wvalid": int(w is not None), "s_axil_wdata": w.data if w else 0,
+            "s_axil_wvalid": int(w is not None), "s_axil_wdata": (w.data or 0) if w else 0,
             "s_axil_wstrb": w.strobes if w else 0,
             "s_axil_arvalid": int(ar is not None), "s_axil_araddr": ar.address if ar else 0,
             "s_axil_bready": ready, "s_axil_rready": ready}
@@ -81,8 +81,6 @@ class AxilMaster:
             if out[f"s_axil_{channel}valid"] and self._inputs[f"s_axil_{channel}ready"]:
                 access = queue.popleft()
                 if channel == "r":
-                    data = out["s_axil_rdata"]
-                    assert data is not None
-                    access.data = data
+                    access.data = out["s_axil_rdata"]
                 access.done = True
                 self.finished += 1
