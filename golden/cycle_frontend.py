@@ -92,8 +92,6 @@ class VideoInModel:
             self.data = self.reads[1]
         line = self.tick.line if self.tick else None
         self.reads = [line.pixels[self.tick.col] if self.tick and line else None, self.reads[0]]
-        if shown.valid:
-            self.px = {k: v for k, v in shown.px.items() if k in self.px}
         reading = self.tick is not None and self.tick.line is not None
         ready = (len(self.ring) + reading + (event.commit is not None) != LINES
                  and not (i["hold_i"] and self.state != "active"))
@@ -104,6 +102,8 @@ class VideoInModel:
             "busy_o": int(self.state == "active" or event.commit is not None or bool(self.ring) or
                           self.tick is not None or self.out is not None or
                           any(p.valid or p.abort for p in self.pipe))}
+        if self.pipe[0].valid:
+            self.px = {k: v for k, v in self.pipe[0].px.items() if k in self.px}
         if i["rst_i"]:
             self._reset()
             return out

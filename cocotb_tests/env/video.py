@@ -42,7 +42,8 @@ def texture(rng: random.Random, width: int, height: int) -> Image:
 
 def _beats(image: Image) -> list[list[Beat]]:
     last = image.shape[1] - 1
-    return [[(int(p), int(y == 0 and x == 0), int(x == last)) for x, p in enumerate(row)] for y, row in enumerate(image)]
+    return [[(int(p), int(y == 0 and x == 0), int(x == last)) for x, p in enumerate(row)]
+            for y, row in enumerate(image)]
 
 
 def good(image: Image) -> Item:
