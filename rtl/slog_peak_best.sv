@@ -12,6 +12,7 @@
 module slog_peak_best
   import slog_pkg::*;
   import slog_peak_pkg::*;
+  import slog_compare_pkg::*;
 #(
     parameter  int unsigned RowDepth = 4,                // rows in waiting, at most
     localparam int unsigned LevelW   = $clog2(RowDepth + 1)
@@ -36,8 +37,9 @@ module slog_peak_best
     output logic [1:0]        released_o    // row banks no later scan reads
 );
   // The row being decided.
-  logic valid_q, compared_q, fresh_q, refused_q, single_q;  // single_q: one column
+  logic valid_q, compared_q, fresh, refused_q, single_q;  // single_q: one column
   row_t row_q;
+  partial_t against_q;  // its maximum against the best
   logic [ScoreW-1:0] top_q;
   logic [9:0] top_x_q;
   // The job so far.
@@ -53,6 +55,7 @@ module slog_peak_best
   assign row_ready_o = load;
   assign top_ready_o = load && !refused;
 
+  assign fresh         = row_q.first || is_above(against_q);
   assign order_valid_o = compared_q && (room_i || !row_q.last);
   assign hand          = order_valid_o && order_ready_i;
   assign released_o    = hand ? 2'(!row_q.first) + 2'(row_q.last) : 2'd0;
@@ -76,10 +79,10 @@ module slog_peak_best
       top_q     <= top_score_i;
       top_x_q   <= top_x_i;
     end
-    if (valid_q) fresh_q <= row_q.first || top_q > best_q;
+    if (valid_q) against_q <= compare(32'(top_q), 32'(best_q));
     if (hand) begin
       before_q <= row_q.first ? '0 : {1'b1, best_q};
-      if (fresh_q) begin
+      if (fresh) begin
         best_q   <= top_q;
         best_x_q <= top_x_q;
         best_y_q <= row_q.y;
@@ -91,16 +94,16 @@ module slog_peak_best
   end
 
   always_comb begin
-    order_o = '{fresh: fresh_q, last: row_q.last, above: fresh_q && !row_q.first, middle: fresh_q && !refused_q,
-                below: fresh_q && !row_q.last, only: !fresh_q || refused_q || single_q,
+    order_o = '{fresh: fresh, last: row_q.last, above: fresh && !row_q.first, middle: fresh && !refused_q,
+                below: fresh && !row_q.last, only: !fresh || refused_q || single_q,
                 last_x: row_q.last_x, best_x: top_x_q};
-    outcome_o = '{fresh: fresh_q, last: row_q.last, other: '0, tag: row_q.tag, status: row_q.status,
-                  best_x: fresh_q ? top_x_q : best_x_q, best_y: fresh_q ? row_q.y : best_y_q,
-                  score: {1'b1, fresh_q ? top_q : best_q}};
+    outcome_o = '{fresh: fresh, last: row_q.last, other: '0, tag: row_q.tag, status: row_q.status,
+                  best_x: fresh ? top_x_q : best_x_q, best_y: fresh ? row_q.y : best_y_q,
+                  score: {1'b1, fresh ? top_q : best_q}};
     if (refused_q) begin
       outcome_o.score  = '0;
       outcome_o.best_x = '0;
-    end else if (fresh_q) begin
+    end else if (fresh) begin
       outcome_o.other = row_q.first ? '0 : before_q;
     end else if (gap_q == 2'd2) begin
       outcome_o.other = {1'b1, top_q};

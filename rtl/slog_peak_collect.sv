@@ -10,6 +10,7 @@
 module slog_peak_collect
   import slog_pkg::*;
   import slog_peak_pkg::*;
+  import slog_compare_pkg::*;
 (
     input  logic                   clk_i,
     input  logic                   rst_i,
@@ -57,7 +58,8 @@ module slog_peak_collect
     for (int i = 0; i < 8; i++) around_o[i] = or_no_score(around_q[i]);
   end
 
-  logic s1_valid_q, s2_valid_q, s1_other_beats_far_q, s1_other_beats_held_q;
+  logic s1_valid_q, s2_valid_q;
+  partial_t s1_against_far_q, s1_against_held_q;
   maybe_t s1_far_q, runner_up_q;
   outcome_t s1_outcome_q;
   verdict_t s2_verdict_q;  // all but the runner-up
@@ -76,16 +78,16 @@ module slog_peak_collect
 
   always_ff @(posedge clk_i) begin
     if (far_valid_i) begin
-      s1_outcome_q          <= outcome_i;
-      s1_far_q              <= far_i;
-      s1_other_beats_far_q  <= outcome_i.other > far_i;
-      s1_other_beats_held_q <= outcome_i.other > runner_up_q;
+      s1_outcome_q      <= outcome_i;
+      s1_far_q          <= far_i;
+      s1_against_far_q  <= compare(32'(outcome_i.other), 32'(far_i));
+      s1_against_held_q <= compare(32'(outcome_i.other), 32'(runner_up_q));
     end
     if (s1_valid_q) begin
       s2_verdict_q <= '{tag: s1_outcome_q.tag, status: s1_outcome_q.status, best_x: s1_outcome_q.best_x,
                         best_y: s1_outcome_q.best_y, score: or_no_score(s1_outcome_q.score), runner_up: '0};
-      if (s1_outcome_q.fresh) runner_up_q <= s1_other_beats_far_q ? s1_outcome_q.other : s1_far_q;
-      else if (s1_other_beats_held_q) runner_up_q <= s1_outcome_q.other;
+      if (s1_outcome_q.fresh) runner_up_q <= is_above(s1_against_far_q) ? s1_outcome_q.other : s1_far_q;
+      else if (is_above(s1_against_held_q)) runner_up_q <= s1_outcome_q.other;
     end
   end
 

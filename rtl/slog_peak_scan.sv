@@ -1,7 +1,7 @@
 // Scans a row together with the rows above and below it: the columns next to the best, and the best of all others.
 //
 //   0  address to the banks     2  bank data     3  rows in order, columns named: near_*
-//   4  above > below            5  greater       6  greater > middle     7  greater, 0 near the best     10 far_valid_o
+//   4  above against below      5  greater       6  against middle       7  greater, 0 near the best     10 far_valid_o
 // Latency    : column 0 is read one clock after the order is taken, an only column two; near_* three clocks after a
 //              column's read; far_* ten clocks after the last column's read.
 // Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, one of an only column two (so that far_*
@@ -11,6 +11,7 @@
 module slog_peak_scan
   import slog_pkg::*;
   import slog_peak_pkg::*;
+  import slog_compare_pkg::*;
 #(
     parameter int unsigned Banks = 4
 ) (
@@ -133,11 +134,13 @@ module slog_peak_scan
 
   logic s3_first_q, s3_last_q, s3_fresh_q, s3_end_q, s3_west_q, s3_centre_q, s3_east_q;
   maybe_t s3_above_q, s3_middle_q, s3_below_q;
-  logic s4_first_q, s4_last_q, s4_near_q, s4_above_wins_q;
+  logic s4_first_q, s4_last_q, s4_near_q;
+  partial_t s4_compare_q;
   maybe_t s4_above_q, s4_middle_q, s4_below_q;
   logic s5_first_q, s5_last_q, s5_near_q;
   maybe_t s5_outer_q, s5_middle_q;
-  logic s6_first_q, s6_last_q, s6_near_q, s6_outer_wins_q;
+  logic s6_first_q, s6_last_q, s6_near_q;
+  partial_t s6_compare_q;
   maybe_t s6_outer_q, s6_middle_q;
   logic s7_first_q, s7_last_q;
   maybe_t s7_value_q;
@@ -159,7 +162,7 @@ module slog_peak_scan
       s4_first_q      <= s3_first_q;
       s4_last_q       <= s3_last_q;
       s4_near_q       <= s3_west_q || s3_centre_q || s3_east_q;
-      s4_above_wins_q <= s3_above_q > s3_below_q;
+      s4_compare_q    <= compare(32'(s3_above_q), 32'(s3_below_q));
       s4_above_q      <= s3_above_q;
       s4_middle_q     <= s3_middle_q;
       s4_below_q      <= s3_below_q;
@@ -168,21 +171,21 @@ module slog_peak_scan
       s5_first_q  <= s4_first_q;
       s5_last_q   <= s4_last_q;
       s5_near_q   <= s4_near_q;
-      s5_outer_q  <= s4_above_wins_q ? s4_above_q : s4_below_q;
+      s5_outer_q  <= is_above(s4_compare_q) ? s4_above_q : s4_below_q;
       s5_middle_q <= s4_middle_q;
     end
     if (valid_q[5]) begin
       s6_first_q      <= s5_first_q;
       s6_last_q       <= s5_last_q;
       s6_near_q       <= s5_near_q;
-      s6_outer_wins_q <= s5_outer_q > s5_middle_q;
+      s6_compare_q    <= compare(32'(s5_outer_q), 32'(s5_middle_q));
       s6_outer_q      <= s5_outer_q;
       s6_middle_q     <= s5_middle_q;
     end
     if (valid_q[6]) begin
       s7_first_q <= s6_first_q;
       s7_last_q  <= s6_last_q;
-      s7_value_q <= s6_near_q ? '0 : s6_outer_wins_q ? s6_outer_q : s6_middle_q;
+      s7_value_q <= s6_near_q ? '0 : is_above(s6_compare_q) ? s6_outer_q : s6_middle_q;
     end
   end
 
