@@ -75,12 +75,12 @@ module slog_correlator
 
   slog_fetch #(
       .Width(GroupBits),
-      .MaxHeight,
-      .WordsPerRow,
-      .Slots,
-      .MinWindow,
-      .MaxWindow,
-      .RingRows
+      .MaxHeight(MaxHeight),
+      .WordsPerRow(WordsPerRow),
+      .Slots(Slots),
+      .MinWindow(MinWindow),
+      .MaxWindow(MaxWindow),
+      .RingRows(RingRows)
   ) u_fetch (
       .clk_i,
       .rst_i,
@@ -112,9 +112,9 @@ module slog_correlator
   );
 
   slog_sequencer #(
-      .GroupBits,
-      .Pitch,
-      .RingRows,
+      .GroupBits(GroupBits),
+      .Pitch(Pitch),
+      .RingRows(RingRows),
       .DrainClocks(slog_array_pkg::drain_clocks(GroupBits, Lanes))
   ) u_sequencer (
       .clk_i,
@@ -138,10 +138,10 @@ module slog_correlator
   );
 
   slog_operands #(
-      .GroupBits,
-      .Lanes,
-      .RingRows,
-      .WordsPerRow
+      .GroupBits(GroupBits),
+      .Lanes(Lanes),
+      .RingRows(RingRows),
+      .WordsPerRow(WordsPerRow)
   ) u_operands (
       .clk_i,
       .rst_i,
@@ -166,8 +166,8 @@ module slog_correlator
   );
 
   slog_array #(
-      .GroupBits,
-      .Lanes
+      .GroupBits(GroupBits),
+      .Lanes(Lanes)
   ) u_array (
       .clk_i,
       .rst_i,
