@@ -133,6 +133,16 @@ def float_sign(image: Image, sigma: float) -> npt.NDArray[np.bool_]:
     return np.asarray(out > 0)
 
 
+def clipped(image: Image, sigma: float) -> npt.NDArray[np.bool_]:
+    """Pixels with nothing but pure black, or pure white, within 2 sigma.
+
+    There a float LoG sees only its own far tail and rounding (below 0.001 grey levels), and the board sees exactly 0.
+    """
+    side = 2 * int(np.ceil(2 * sigma)) + 1
+    box = np.ones((side, side), np.uint8)
+    return np.asarray((cv2.dilate(image, box) == 0) | (cv2.erode(image, box) == 255))
+
+
 def pictures() -> list[tuple[str, Image]]:
     """Real frames: scikit-image's, and one of each set beside the project where those are present."""
     names = ("gravel", "brick", "grass", "moon")
@@ -159,12 +169,18 @@ def _load(path: Path) -> Image:
 
 
 def test_agrees_with_a_float_log(capsys: pytest.CaptureFixture[str]) -> None:
-    table = {name: [float(np.mean(float_sign(image, s) == sign(image, s))) for s in SIGMAS]
-             for name, image in pictures()}
+    """At least 99.5 % of the pixels, whatever the picture; what lies in clipped areas is counted apart."""
+    lines, low = [], []
+    for name, image in pictures():
+        row = []
+        for sigma in SIGMAS:
+            equal, void = float_sign(image, sigma) == sign(image, sigma), clipped(image, sigma)
+            share = float(equal[~void].mean())
+            row.append(f"{share:.4f}" + (f" ({equal.mean():.4f}, {void.mean():.3f})" if void.any() else ""))
+            if share < AGREEMENT or void.mean() > 0.2:
+                low.append((name, sigma, share))
+        lines.append(f"{name:>28} {' '.join(row)}")
     with capsys.disabled():
-        print("\nsign agreement with a float64 LoG; sigma", *SIGMAS)
-        for name, row in table.items():
-            print(f"{name:>32}", *(f"{value:.4f}" for value in row))
-    assert len(table) >= 4
-    low = [(name, s, v) for name, row in table.items() for s, v in zip(SIGMAS, row, strict=True) if v < AGREEMENT]
+        print("\nsign agreement with a float64 LoG (all pixels, clipped share); sigma", *SIGMAS, *lines, sep="\n")
+    assert len(lines) >= 4
     assert not low
