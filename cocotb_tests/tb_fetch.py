@@ -134,3 +134,25 @@ async def latency(dut) -> None:
     assert at == {"ticket_valid_o": 12, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
                   "tpl_done_o": read + 2 + STORE_LATENCY + align + 1,
                   "rows_written_o": read + 4 + 1 + STORE_LATENCY + align + 1}
+
+
+@cocotb.test()
+@cocotb.parametrize(words=(1, 2))
+async def full_ring(dut, words: int) -> None:
+    """Rows of one or two words stop when the ring is full to its last row, and go on one by one as rows come free."""
+    job = Job(0, 5, 3, 3, 2, 2, 8, 0, 6 * words - 3, 34)
+    steps = (0, 1, 2, 3)
+    written: list[int] = []
+
+    def script() -> Stimulus:
+        fixed = {"image_width_i": SIZE[0], "image_height_i": SIZE[1], "slot_valid_i": 0xFF, "job_i": pack_job(job),
+                 "ticket_ready_i": 1}
+        yield fixed | {"job_valid_i": 1}
+        for freed in steps:
+            out: Outputs = {}
+            for _ in range(130 if freed == 0 else 24):
+                out = yield fixed | {"rows_freed_i": freed}
+            written.append(out["rows_written_o"] or 0)
+
+    await check_cycles(dut, FetchModel(TINY), script())
+    assert written == [TINY.ring_rows + freed for freed in steps]
