@@ -47,8 +47,7 @@ def main() -> int:
             found.append(verilator(path.stem, rtl_sources("full")))
     for top in ("slog_ram", "slog_mult"):
         found.append(verilator(top, ecp5_sources("full")))
-    written = [p for p in [*sorted(RTL.glob("*.sv")), *sorted((RTL / "ecp5").glob("*.sv")),
-                           *sorted((ROOT / "sim" / "tb").glob("*.sv"))]]
+    written = [path for folder in (RTL, RTL / "ecp5", ROOT / "sim" / "tb") for path in sorted(folder.glob("*.sv"))]
     found.append(verible(written))
     complaints = [text for text in found if text]
     print("\n".join(complaints) or f"RTL lint: {len(written)} files clean")

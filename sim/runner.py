@@ -12,11 +12,11 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.check_results import get_results
+from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.runner import Verilator
 
-from sim.toolchain import BUILD, RTL, ROOT, verilator_env
+from sim.toolchain import BUILD, ROOT, RTL, verilator_env
 
 WAIVERS = ROOT / "sim" / "verilator" / "waive.vlt"
 START = ROOT / "sim" / "host" / "start.cpp"
@@ -28,9 +28,9 @@ LIBRARY = BUILD / "cocotb" / f"library-{hashlib.sha256(CXX_FLAGS.encode()).hexdi
 class LeanVerilator(Verilator):
     """The cocotb runner with two changes.
 
-    It leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the top
-    module are made visible (by a generated control file), and a test bench reads ports only. And the simulator is a library
-    that runs inside the Python executable, so no libpython is needed (see sim/host/start.cpp).
+    It leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the
+    top module are made visible (by a generated control file), and a test bench reads ports only. And the simulator is
+    a library that runs inside the Python executable, so no libpython is needed (see sim/host/start.cpp).
     """
 
     def _set_env_common(self) -> None:
