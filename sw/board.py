@@ -1,7 +1,8 @@
 """The Board interface: the one door through which measurements reach a sign-of-LoG board.
 
-A back end (golden model, Verilated RTL, later a real board) implements `Board`; given the same calls, every back end returns the
-same bits. `BoardBase` holds what all of them share: the checks of what a caller hands over, so that bad calls fail alike everywhere.
+A back end (golden model, Verilated RTL, later a real board) implements `Board`; given the same calls, every back end
+returns the same bits. `BoardBase` holds what all of them share: the checks of what a caller hands over, so that bad
+calls fail alike everywhere.
 
 Units: pixels of the board's image, x to the right, y down, (0, 0) the top left pixel; clocks are clocks of the board.
 """
@@ -65,7 +66,8 @@ class Board(Protocol):
         """
 
     def set_filter(self, sigma: float) -> None:
-        """Choose the LoG's sigma for all further captures, pixels, MIN_SIGMA..MAX_SIGMA. Captured slots stay as they are.
+        """Choose the LoG's sigma for all further captures, pixels, MIN_SIGMA..MAX_SIGMA. Captured slots stay as they
+        are.
 
         Raises:
             BoardError: if sigma is outside the range, or so large that the kernel does not fit the build's radius.
@@ -80,7 +82,8 @@ class Board(Protocol):
             camera: 0..config.cameras-1.
 
         Raises:
-            BoardError: for a wrong slot, camera, shape or dtype, before filter and size are set, or if the frame was dropped.
+            BoardError: for a wrong slot, camera, shape or dtype, before filter and size are set, or if the frame was
+            dropped.
         """
 
     def capture_pair(self, slots: tuple[int, int], frames: tuple[Image, Image]) -> None:
@@ -103,8 +106,8 @@ class Board(Protocol):
         """
 
     def submit_grid(self, job: Job, count: tuple[int, int], step: tuple[int, int]) -> None:
-        """Queue a grid of jobs by one command: count (across, down) copies of `job`, in raster order, the template and search
-        positions advanced by `step` (across, down) pixels, the tag counting up by one. Otherwise as `submit`."""
+        """Queue a grid of jobs by one command: count (across, down) copies of `job`, in raster order, the template and
+        search positions advanced by `step` (across, down) pixels, the tag counting up by one. Otherwise as `submit`."""
 
     def collect(self, count: int) -> list[Result]:
         """The next `count` results, in the order of their jobs; waits for them.
@@ -125,8 +128,11 @@ class Board(Protocol):
         """
 
     def counters(self) -> dict[str, int]:
-        """Counts since the board was made: `frames_0`, `drops_0` (one pair a camera), `jobs`, `refused`, `scores` (window
-        scores), `busy_clocks` (clocks with a job in work), `clocks`."""
+        """Counts since the board was made: `frames_0`, `drops_0` (one pair a camera: good and dropped frames), `jobs`
+        (done, without the refused), `refused`, `scores` (of windows), `busy_clocks` (with a job in work), `clocks`.
+
+        Clocks are an estimate on the golden board; hardware counts modulo 2**32; the rest is the same on every board.
+        """
 
     def close(self) -> None:
         """Release the back end; the board is of no use afterwards."""
@@ -252,12 +258,13 @@ class BoardBase(ABC):
         return result, surface
 
     def close(self) -> None:
-        """Nothing to release."""
+        """See `Board.close`."""
+        self._slot_size.clear()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
     def _check_capture(self, slot: int, frame: Image, camera: int) -> None:

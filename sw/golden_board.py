@@ -3,9 +3,10 @@
 Results are those of the RTL, bit for bit. Clocks are an estimate of what the RTL needs for the same call:
 
 - capture: one clock a pixel and `radius` rows of flush, for one or two cameras alike;
-- job: rows of offsets x passes a row x clocks a pass, where a pass scores `pitch` offsets (the last one up to `lanes`) and lasts
-  max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group. Operands load one
-  store word a clock while the job before is in work, so a job lasts at least as long as its words take to load;
+- job: rows of offsets x passes a row x clocks a pass, where a pass scores `pitch` offsets (the last one up to `lanes`)
+  and lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
+  Operands load one store word a clock while the job before is in work, so a job lasts at least as long as its words
+  take to load;
 - register accesses are not counted.
 """
 
@@ -91,7 +92,6 @@ class GoldenBoard(BoardBase):
 
     def _run(self, job: Job) -> tuple[Result, Surface | None]:
         status = correlate.check(job, self.config, self.image_size, [plane is not None for plane in self._planes])
-        self._counts["jobs"] += 1
         if status is not Status.OK:
             self._counts["refused"] += 1
             return Result(job.tag, status), None
@@ -100,6 +100,7 @@ class GoldenBoard(BoardBase):
         surface = correlate.surface(template, search, job)
         clocks = job_clocks(job, self.config)
         self._clocks += clocks
+        self._counts["jobs"] += 1
         self._counts["busy_clocks"] += clocks
         self._counts["scores"] += surface.size
         return Result(job.tag, status, *correlate.peak(surface)), surface

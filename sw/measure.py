@@ -1,8 +1,9 @@
 """Measurements: where a window of one picture lies in another. The only layer that knows the Board.
 
-A `Measurer` turns frames into `View`s (sign planes kept on the board) and answers `Query`s with `Measurement`s, each validated by
-itself: peak, margin over the runner-up, position of the peak inside the search, texture of the window, and a backward search that
-must return to the start. Applications see views and measurements; slots, jobs and bits stay in here.
+A `Measurer` turns frames into `View`s (sign planes kept on the board) and answers `Query`s with `Measurement`s, each
+validated by itself: peak, margin over the runner-up, position of the peak inside the search, texture of the window, and
+a backward search that must return to the start. Applications see views and measurements; slots, jobs and bits stay in
+here.
 
 Pixels are those of the frames given to `view`; x to the right, y down.
 """
@@ -37,14 +38,17 @@ class Reason(StrEnum):
     """The window looks like itself elsewhere: too plain, or a bare edge."""
     RETURN = "return"
     """The search from the found place back did not return to the start."""
+    PARTS = "parts"
+    """The window and its parts moved apart: perspective, relief, or chance."""
 
 
 @dataclass(frozen=True)
 class Measurement:
     """Displacement of a window from its reference view to another one.
 
-    `score` is the matching fraction at the peak (0..1, chance 0.5), `margin` how far it stands above the best match outside the
-    peak's 3x3 neighbourhood. Displacement is filled in also where the measurement is not valid, zero where there is none.
+    `score` is the matching fraction at the peak (0..1, chance 0.5), `margin` how far it stands above the best match
+    outside the peak's 3x3 neighbourhood. Displacement is filled in also where the measurement is not valid, zero where
+    there is none.
     """
 
     dx_px: float
@@ -68,8 +72,8 @@ class View:
 class Query:
     """Where does the window of `reference` with its centre at (x, y) lie in `live`?
 
-    The window covers x - width//2 .. x - width//2 + width - 1. Searched are the places within `reach` (across, down) pixels of the
-    `guess`ed displacement (dx, dy), as far as they lie inside the picture.
+    The window covers x - width//2 .. x - width//2 + width - 1. Searched are the places within `reach` (across, down)
+    pixels of the `guess`ed displacement (dx, dy), as far as they lie inside the picture.
     """
 
     reference: View
@@ -86,9 +90,10 @@ class Query:
 class Rules:
     """What makes a measurement valid. Scores are matching fractions.
 
-    `min_score` is not a matter of chance level alone: wrong peaks on real seabed score far above it, so the other checks carry
-    the weight. `max_likeness` bounds how well a window may match itself two pixels or more away, beyond what white texture under
-    the same filter does (0: exactly that, 1: identical). `max_return_px` is the distance by which the backward search may miss.
+    `min_score` is not a matter of chance level alone: wrong peaks on real seabed score far above it, so the other
+    checks carry the weight. `max_likeness` bounds how well a window may match itself two pixels or more away, beyond
+    what white texture under the same filter does (0: exactly that, 1: identical). `max_return_px` is the distance by
+    which the backward search may miss.
     """
 
     min_score: float = 0.62
