@@ -141,9 +141,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = parser.parse_args(argv)
     config = CONFIGS["full"]
     figures: dict[str, Any] = {"machine": {"cores": os.cpu_count(), "load": os.getloadavg()[0]}}
-    for name, measure in (("frames", lambda: frame_rates(config)), ("utilisation", lambda: utilisation(config)),
-                          ("opencv", lambda: against_opencv(figures["utilisation"]["share"])),
-                          ("clock_rate", lambda: clock_rates(config))):
+    measures: list[tuple[str, Callable[[], dict[str, Any]]]] = [
+        ("frames", lambda: frame_rates(config)), ("utilisation", lambda: utilisation(config)),
+        ("opencv", lambda: against_opencv(figures["utilisation"]["share"])),
+        ("clock_rate", lambda: clock_rates(config))]
+    for name, measure in measures:
         figures[name] = measure()
         print(f"{name}: {json.dumps(figures[name], indent=2)}", flush=True)
     args.out.parent.mkdir(parents=True, exist_ok=True)
