@@ -66,7 +66,7 @@ class PeakModel:
         self.surface: deque[tuple[int, int, int]] = deque()
         self.begun, self.begun_row = deque[int](), StageModel()
         self.tops: deque[tuple[int, int]] = deque()
-        self.outcomes, self.outcome = deque[int](), StageModel()
+        self.outcomes = deque[int]()
         self.kept, self.has_room, self.surf_ok = 0, 0, 0
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
@@ -111,7 +111,8 @@ class PeakModel:
                                  "in_value_i": known(intake["score_o"]), "in_index_i": known(intake["score_x_o"])})
         if top["out_valid_o"]:
             self.tops.append((known(top["out_value_o"]), known(top["out_index_o"])))
-        fetch(rst, self.outcome, self.outcomes, scan["far_valid_o"])
+        if scan["far_valid_o"]:
+            self.outcomes.popleft()
         if ordered:
             self.outcomes.append(known(best["outcome_o"]))
         if rst:
@@ -140,7 +141,7 @@ class PeakModel:
         """Outputs of the collection of neighbours and runner-up."""
         near = {name.replace("_o", "_i"): known(scan[name]) for name in (*ScanModel.NEAR, "near_valid_o", "near_end_o",
                                                                         "far_valid_o", "far_o")}
-        return self.collect.step({"rst_i": rst, **near, "outcome_i": known(self.outcome.word)})
+        return self.collect.step({"rst_i": rst, **near, "outcome_i": self.outcomes[0] if self.outcomes else 0})
 
     def take_in(self, i: dict[str, int], out: Outputs, released: int) -> tuple[Outputs, int | None]:
         """Outputs of the intake, and the row it begins."""

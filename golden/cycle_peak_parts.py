@@ -276,7 +276,7 @@ class ScanModel:
 
 
 class CollectModel:
-    """`slog_peak_collect`: a job's neighbours, and its verdict two clocks after its last row's scan."""
+    """`slog_peak_collect`: a job's neighbours, and its verdict three clocks after its last row's scan."""
 
     INPUTS = ("rst_i", "near_valid_i", "near_first_i", "near_end_i", "near_west_i", "near_centre_i", "near_east_i",
               "near_above_i", "near_middle_i", "near_below_i", "far_valid_i", "far_i", "outcome_i")
@@ -287,7 +287,7 @@ class CollectModel:
         self.around = [0] * 8
         self.ended = 0
         self.runner_up = 0
-        self.verdicts: deque[int | None] = deque([None, None])
+        self.verdicts: deque[int | None] = deque([None] * 3)
 
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -311,5 +311,5 @@ class CollectModel:
                 done = VERDICT.pack({**o, "score": or_no_score(o["score"]), "runner_up": or_no_score(self.runner_up)})
         self.verdicts.append(done)
         if i["rst_i"]:
-            self.ended, self.verdicts = 0, deque([None, None])
+            self.ended, self.verdicts = 0, deque([None] * 3)
         return out

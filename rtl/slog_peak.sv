@@ -167,16 +167,12 @@ module slog_peak
       .near_centre_o(near_centre), .near_east_o(near_east), .near_above_o(near_above),
       .near_middle_o(near_middle), .near_below_o(near_below), .far_valid_o(far_valid), .far_o(far));
 
-  logic outcome_valid, outcome_room, queued_outcome_valid, queued_outcome_ready;
-  outcome_t outcome, queued_outcome;
+  logic outcome_valid, outcome_room;
+  outcome_t outcome;
   logic [$clog2(OutcomeDepth+1)-1:0] unused_outcome_level;
   slog_fifo #(.Width($bits(outcome_t)), .Depth(OutcomeDepth)) u_outcomes (
       .clk_i, .rst_i, .in_valid_i(order_valid && order_ready), .in_ready_o(outcome_room), .in_data_i(decided),
-      .out_valid_o(queued_outcome_valid), .out_ready_i(queued_outcome_ready), .out_data_o(queued_outcome),
-      .level_o(unused_outcome_level));
-  slog_stage #(.Width($bits(outcome_t))) u_outcome (
-      .clk_i, .rst_i, .in_valid_i(queued_outcome_valid), .in_ready_o(queued_outcome_ready),
-      .in_data_i(queued_outcome), .out_valid_o(outcome_valid), .out_ready_i(far_valid), .out_data_o(outcome));
+      .out_valid_o(outcome_valid), .out_ready_i(far_valid), .out_data_o(outcome), .level_o(unused_outcome_level));
 
   logic around_valid, verdict_valid;
   logic [7:0][ScoreW-1:0] around;

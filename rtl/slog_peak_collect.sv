@@ -2,8 +2,8 @@
 //
 // runner-up after a row = max(other, fresh ? far : runner-up before), with the row's outcome_t.
 //
-// Neighbours leave one clock after the job's last column; the verdict two clocks after the last far_valid_i:
-//   0  far_valid_i: compare      1  select      2  verdict_valid_o
+// Neighbours leave one clock after the job's last column; the verdict three clocks after the last far_valid_i:
+//   0  far_valid_i      1  compare bytes      2  verdict, select      3  verdict_valid_o
 // Throughput : a row in two clocks, columns one per clock. Never stalls: its user keeps room for both outputs.
 // Formats    : absent scores leave as NoScore.
 `include "slog_assert.svh"
@@ -58,43 +58,49 @@ module slog_peak_collect
     for (int i = 0; i < 8; i++) around_o[i] = or_no_score(around_q[i]);
   end
 
-  logic s1_valid_q, s2_valid_q;
-  partial_t s1_against_far_q, s1_against_held_q;
-  maybe_t s1_far_q, runner_up_q;
-  outcome_t s1_outcome_q;
-  verdict_t s2_verdict_q;  // all but the runner-up
+  logic s1_valid_q, s2_valid_q, s3_valid_q;
+  maybe_t s1_far_q, s2_far_q, runner_up_q;
+  outcome_t s1_outcome_q, s2_outcome_q;
+  partial_t s2_against_far_q, s2_against_held_q;
+  verdict_t s3_verdict_q;  // all but the runner-up
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       around_end_q <= 1'b0;
       s1_valid_q   <= 1'b0;
       s2_valid_q   <= 1'b0;
+      s3_valid_q   <= 1'b0;
     end else begin
       around_end_q <= near_end_i;
       s1_valid_q   <= far_valid_i;
-      s2_valid_q   <= s1_valid_q && s1_outcome_q.last;
+      s2_valid_q   <= s1_valid_q;
+      s3_valid_q   <= s2_valid_q && s2_outcome_q.last;
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (far_valid_i) begin
-      s1_outcome_q      <= outcome_i;
-      s1_far_q          <= far_i;
-      s1_against_far_q  <= compare(32'(outcome_i.other), 32'(far_i));
-      s1_against_held_q <= compare(32'(outcome_i.other), 32'(runner_up_q));
+      s1_outcome_q <= outcome_i;
+      s1_far_q     <= far_i;
     end
     if (s1_valid_q) begin
-      s2_verdict_q <= '{tag: s1_outcome_q.tag, status: s1_outcome_q.status, best_x: s1_outcome_q.best_x,
-                        best_y: s1_outcome_q.best_y, score: or_no_score(s1_outcome_q.score), runner_up: '0};
-      if (s1_outcome_q.fresh) runner_up_q <= is_above(s1_against_far_q) ? s1_outcome_q.other : s1_far_q;
-      else if (is_above(s1_against_held_q)) runner_up_q <= s1_outcome_q.other;
+      s2_outcome_q      <= s1_outcome_q;
+      s2_far_q          <= s1_far_q;
+      s2_against_far_q  <= compare(32'(s1_outcome_q.other), 32'(s1_far_q));
+      s2_against_held_q <= compare(32'(s1_outcome_q.other), 32'(runner_up_q));
+    end
+    if (s2_valid_q) begin
+      s3_verdict_q <= '{tag: s2_outcome_q.tag, status: s2_outcome_q.status, best_x: s2_outcome_q.best_x,
+                        best_y: s2_outcome_q.best_y, score: or_no_score(s2_outcome_q.score), runner_up: '0};
+      if (s2_outcome_q.fresh) runner_up_q <= is_above(s2_against_far_q) ? s2_outcome_q.other : s2_far_q;
+      else if (is_above(s2_against_held_q)) runner_up_q <= s2_outcome_q.other;
     end
   end
 
   assign around_valid_o  = around_end_q;
-  assign verdict_valid_o = s2_valid_q;
+  assign verdict_valid_o = s3_valid_q;
   always_comb begin
-    verdict_o           = s2_verdict_q;
+    verdict_o           = s3_verdict_q;
     verdict_o.runner_up = or_no_score(runner_up_q);
   end
 
