@@ -67,7 +67,7 @@ class PeakModel:
         self.begun, self.begun_row = deque[int](), StageModel()
         self.tops: deque[tuple[int, int]] = deque()
         self.outcomes = deque[int]()
-        self.kept, self.has_room, self.surf_ok = 0, 0, 0
+        self.kept, self.popped, self.has_room, self.surf_ok = 0, 0, 0, 0
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -87,8 +87,10 @@ class PeakModel:
             queue.step({"rst_i": rst, "in_valid_i": known(collected[f"{name}_valid_o"]), "out_ready_i": popped,
                         "in_data_i": known(collected[f"{name}_o"])})
         ordered = bool(best["order_valid_o"] and scan["order_ready_o"])
+        # Departures count one clock late.
         self.has_room = int(self.kept < self.result_depth)
-        self.kept += int(ordered and SCAN.unpack(known(best["order_o"]))["last"]) - popped
+        self.kept += int(ordered and SCAN.unpack(known(best["order_o"]))["last"]) - self.popped
+        self.popped = popped
 
         intake, row = self.take_in(i, out, known(best["released_o"]))
         self.put_away(intake, scan)

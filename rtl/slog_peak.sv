@@ -190,6 +190,7 @@ module slog_peak
   verdict_t verdict_out;
   logic [7:0][ScoreW-1:0] around_out;
   logic [ResultLevelW-1:0] unused_around_level, kept_q;
+  logic keep_q, popped_q;  // a place is kept, a result left: one clock late
   slog_ram_fifo #(.Width(8 * ScoreW), .Depth(ResultDepth)) u_around (
       .clk_i, .rst_i, .in_valid_i(around_valid), .in_ready_o(around_room), .in_data_i(around),
       .out_valid_o(around_out_valid), .out_ready_i(result_pop), .out_data_o(around_out),
@@ -207,12 +208,16 @@ module slog_peak
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      kept_q <= '0;
-      room_q <= 1'b0;
+      kept_q   <= '0;
+      keep_q   <= 1'b0;
+      popped_q <= 1'b0;
+      room_q   <= 1'b0;
     end else begin
-      kept_q <= kept_q + ResultLevelW'(order_valid && order_ready && order.last) - ResultLevelW'(result_pop);
+      keep_q   <= order_valid && order_ready && order.last;
+      popped_q <= result_pop;
+      kept_q   <= kept_q + ResultLevelW'(keep_q) - ResultLevelW'(popped_q);
       // Orders come at most one in two clocks, so this has seen the last one.
-      room_q <= kept_q < ResultLevelW'(ResultDepth);
+      room_q   <= keep_q ? kept_q < ResultLevelW'(ResultDepth - 1) : kept_q < ResultLevelW'(ResultDepth);
     end
   end
 
