@@ -26,7 +26,7 @@ from sw.panel import draw_tracks, stage_panel
 from sw.register import Registrar
 from sw.sources import Fit, Frame, Source, open_source, read_picture
 from sw.tables import TRACK, Table, track_row
-from sw.track import Tracker, TrackPoint, TrackSettings
+from sw.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
 
 app = typer.Typer(
     name="signum", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
@@ -163,7 +163,8 @@ def track(
             for frame in frames:
                 if tracker is None:
                     fit = _fit(frame, b, window, frames)
-                    tracker = Tracker(Measurer(b, fit.board, sigma), TrackSettings(window=window, features=features))
+                    settings = TrackSettings(window=window, features=features, precise_px=PRECISE_PX / max(fit.factor))
+                    tracker = Tracker(Measurer(b, fit.board, sigma), settings)
                 points = tracker.step(fit.show(frame.picture))
                 for point in points:
                     table.write(track_row(frame.name, point, fit))
@@ -236,7 +237,7 @@ def info(
     with board_of(board, window) as b:
         grid = Grid(show_header=False, box=None)
         identify: Callable[[], dict[str, object]] | None = getattr(b, "identification", None)
-        about: dict[str, object] = identify() if identify else {"id": "SLOG", "board": b.name}
+        about: dict[str, object] = identify() if identify else {"id": "none: a model in software", "board": b.name}
         about |= {"configuration": b.config.name, **{k: v for k, v in asdict(b.config).items() if k != "name"},
                   "max_window": b.config.max_window, "lanes": b.config.lanes}
         for name, value in (about | b.counters()).items():
@@ -250,7 +251,7 @@ def demo(
     output: OutOption = Path("out/demo"),
     board: BoardOption = BoardName.verilated,
     sigma: SigmaOption = 2.0,
-    window: WindowOption = 64,
+    window: WindowOption = 48,
 ) -> None:
     """A simulated flight over gravel: tracks, builds a mosaic, holds station; `mosaic.png`, `track.csv`, `report.html`.
 

@@ -30,13 +30,13 @@ from sw.station import Moment, hold
 from sw.tables import TRACK, Table, track_row
 from sw.track import Tracker, TrackPoint, TrackSettings
 
-SIZE = 320, 240
-FOCAL = 340.0
-TRACKED = 24
+SIZE = 256, 192
+FOCAL = 280.0
+TRACKED = 20
 FEATURES = 12
-IMAGES = 5
-HELD_SECONDS = 18.0
-FREE_SECONDS = 5.0
+IMAGES = 4
+HELD_SECONDS = 14.0
+FREE_SECONDS = 3.0
 DT = 0.2
 
 Bar = Callable[[str, int | None], AbstractContextManager[Callable[[str], None]]]
@@ -65,7 +65,7 @@ class Flight:
         flow: (first frame, second frame, field, true displacement in pixels (dx, dy)).
         first, last: frames of the tracking run; points of the last; initial: those of the first.
         errors: of every valid track measurement against the truth, pixels, (n, 2).
-        tracked: (measurements, of them valid).
+        tracked: (measurements of features in view, of them valid).
         mosaic: the picture; poses: per stored frame (measured, true) position in the mosaic plane, pixels; edges: how
             many there are and how many are accepted.
         held: station keeping; free: the same water without control.
@@ -171,7 +171,7 @@ def _track(flight: Flight, board: Board, camera: Camera, out: Path, step: Callab
             if p.feature not in born:
                 born[p.feature] = index, at
                 continue
-            measured += 1
+            measured += p.reason != "outside"
             if p.valid:
                 valid += 1
                 since, start = born[p.feature]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from scipy.ndimage import gaussian_filter, gaussian_laplace
 
+from golden import log
 from sw.sources import Picture
 from sw.track import TrackPoint
 
@@ -21,13 +21,13 @@ def stages(image: Picture, signs: Picture, sigma: float) -> list[tuple[str, Pict
     Args:
         image: uint8 (H, W).
         signs: uint8 (H, W) of 0 and 1, from the board.
-        sigma: pixels; the two stages between are computed in floating point, for show.
+        sigma: pixels; the two stages between never leave a board and come from the golden model.
     """
-    smooth = gaussian_filter(image.astype(np.float64), sigma, mode="nearest")
-    response = gaussian_laplace(image.astype(np.float64), sigma, mode="nearest")
+    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE), np.uint8)
+    response = log.response(image, sigma)
     spread = float(np.percentile(np.abs(response), 98)) or 1.0
     shown = np.clip(128 + 127 * response / spread, 0, 255)
-    return [("original", image), ("Gaussian", smooth.astype(np.uint8)),
+    return [("original", image), ("Gaussian", smooth),
             ("Laplacian of Gaussian", shown.astype(np.uint8)), ("sign", signs * np.uint8(255))]
 
 

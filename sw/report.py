@@ -54,7 +54,7 @@ def _summary(f: Flight) -> str:
     rows = [
         ("signs equal in bad water, whole image / inner quarter", f"{f.agreement[0]:.3f} / {f.agreement[1]:.3f}"),
         ("flow error, RMS over valid windows", f"{_flow_rms(f):.3f} px"),
-        ("track measurements valid", f"{f.tracked[1]} of {f.tracked[0]}"),
+        ("track measurements valid, of features in view", f"{f.tracked[1]} of {f.tracked[0]}"),
         ("track error against the truth, RMS", f"{_rms(f.errors):.3f} px"),
         ("mosaic edges accepted", f"{f.edges[1]} of {f.edges[0]}"),
         ("mosaic error at the last image", f"{_mosaic_errors(f)[-1]:.2f} px"),
@@ -85,11 +85,11 @@ def _flow(f: Flight) -> str:
             _figure(draw_flow(before, field), "flow, arrows twice as long")]
     dx, dy = field.dominant()
     tracks = [_figure(draw_tracks(f.first, f.initial, f.window), "initial image"),
-              _figure(draw_tracks(f.last, f.points, f.window), f"{f.tracked[0]} measurements later")]
+              _figure(draw_tracks(f.last, f.points, f.window), "last image, red: out of view")]
     return (f"<h2>Flow and tracking</h2><p>From frame to frame (figure 6): the scene moved by ({true[0]:.2f}, "
             f"{true[1]:.2f}) px; the median of {int(field.valid.sum())} valid windows says ({dx:.2f}, {dy:.2f}).</p>"
             f"{_row(flow)}<p>Against the initial image (figure 7): nothing to drift. {f.tracked[1]} of {f.tracked[0]} "
-            f"measurements valid, {_rms(f.errors):.3f} px RMS from the truth, at most "
+            f"measurements of features in view valid, {_rms(f.errors):.3f} px RMS from the truth, at most "
             f"{float(np.abs(f.errors).max()) if f.errors.size else 0:.2f} px.</p>{_row(tracks)}")
 
 

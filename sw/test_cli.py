@@ -158,7 +158,7 @@ def test_bad_input_is_one_line(tmp_path: Path, arguments: tuple[str, ...], says:
 def test_info_tells_what_the_board_is() -> None:
     result = _run("info")
     assert result.exit_code == 0
-    for word in ("SLOG", "full", "max_width", "640", "busy_clocks", "slots"):
+    for word in ("golden", "full", "max_width", "640", "busy_clocks", "slots"):
         assert word in result.stdout
 
 

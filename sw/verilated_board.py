@@ -10,6 +10,7 @@ from golden import log
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
 from sim.build import BuildError
+from sim.registers import fields
 from sim.verilated import Device, DeviceError
 from sw.board import BoardBase, BoardError, Image, Surface
 
@@ -47,6 +48,15 @@ class VerilatedBoard(BoardBase):
                   for camera in range(self.config.cameras) for kind in ("frames", "drops")}
         return counts | {"jobs": raw["jobs"], "refused": raw["refused"], "scores": raw["scores"],
                          "busy_clocks": raw["busy"], "clocks": raw["clocks"]}
+
+    def identification(self) -> dict[str, object]:
+        """What the board's own registers say it is: identification, version, build."""
+        read = self._device.read
+        about: dict[str, object] = {
+            "id": read("id.value").to_bytes(4, "big").decode("ascii", "replace"), "board": self.name,
+            "version": f"{read('version.major')}.{read('version.minor')}"}
+        about.update((name, read(name)) for name in fields() if name.startswith("build_"))
+        return about
 
     def close(self) -> None:
         """Free the simulation and finish its wave dump."""
