@@ -32,6 +32,8 @@ app = typer.Typer(
     name="signum", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     help="Sign-of-LoG vision for underwater robots: filters, tracks and builds mosaics on a simulated board.")
+LONGEST = 500
+"""Characters of an error line: a tool's whole output is not for here."""
 P = ParamSpec("P")
 notes = Console(stderr=True, highlight=False, soft_wrap=True)
 out = Console(highlight=False, soft_wrap=True)
@@ -69,7 +71,8 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
 
 
 def _fail(message: str) -> None:
-    notes.print(f"signum: {' '.join(message.split())}", markup=False)
+    line = " ".join(message.split())
+    notes.print(f"signum: {line if len(line) <= LONGEST else line[:LONGEST] + ' ...'}", markup=False)
     raise typer.Exit(1)
 
 
