@@ -1,0 +1,14 @@
+"""Settings of every test: reproducible Hypothesis, no windows, the simulation seed in the heading."""
+
+import os
+
+from hypothesis import settings
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+settings.register_profile("signum", deadline=None, derandomize=True, print_blob=True)
+settings.load_profile("signum")
+
+
+def pytest_report_header() -> str:
+    """How to repeat a run."""
+    return f"signum: simulation seed {os.environ.get('SEED', '1')} (set SEED to vary it, WAVES=1 for waveforms)"

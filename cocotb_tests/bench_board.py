@@ -10,7 +10,7 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from cocotb_tests.env.host import Host
+from cocotb_tests.env.host import Host, Script
 from golden.cycle_board import BoardModel
 from golden.params import CONFIGS
 from sim.workload import SIGMA, SIZE, frames, jobs
@@ -21,7 +21,7 @@ async def clock_rate(dut) -> None:
     config = CONFIGS[os.environ["SLOG_BENCH_CONFIG"]]
     host = Host(config, random.Random(1))
 
-    def script():
+    def script() -> Script:
         yield from host.set_up(SIGMA, SIZE)
         for slot, frame in enumerate(frames()):
             yield from host.arm(0, slot)
