@@ -11,6 +11,7 @@
 //
 // Latency    : last_i to mismatch_valid_o of lane 0: 3 + ScoreBits clocks.
 // Throughput : one score per clock; a pass's last_i comes at least lanes clocks after the one behind.
+// Reset      : clears the counters; marks left over run out before a new pass can end, slice by slice.
 // Formats    : mismatch unsigned; lanes 1..Lanes. mismatch_o is 0 while mismatch_valid_o is low.
 `include "slog_assert.svh"
 module slog_emit #(
@@ -54,9 +55,7 @@ module slog_emit #(
   logic [ScoreBits-1:0] token_q[Lanes], pair_q[4*Fews], few_q[Fews], word_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      token_q <= '{default: '0};
-    end else if (move_i) begin
+    if (move_i) begin
       static logic behind[Lanes];
       static logic [ScoreBits-1:0] token[Lanes];
       behind[0] = last_i;
