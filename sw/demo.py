@@ -34,6 +34,8 @@ SIZE = 256, 192
 FOCAL = 280.0
 TRACKED = 20
 FEATURES = 12
+FLOW_FRAMES = 4
+"""Frames from one picture of the flow field to the other."""
 IMAGES = 4
 HELD_SECONDS = 14.0
 FREE_SECONDS = 3.0
@@ -185,12 +187,13 @@ def _track(flight: Flight, board: Board, camera: Camera, out: Path, step: Callab
     flight.first, flight.last = pictures[0], pictures[-1]
     flight.errors, flight.tracked = np.array(errors).reshape(-1, 2), (measured, valid)
     measurer = Measurer(board, camera.size, flight.sigma)
-    views = measurer.view(pictures[-2]), measurer.view(pictures[-1])
+    early, late = TRACKED - 1 - FLOW_FRAMES, TRACKED - 1
+    views = measurer.view(pictures[early]), measurer.view(pictures[late])
     centre = (np.array(SIZE) - 1) / 2
-    true = _seen(camera, poses[-2], poses[-1], centre) - centre
+    true = _seen(camera, poses[early], poses[late], centre) - centre
     window = min(flight.window, 48)
     field_ = measure_flow(measurer, *views, window=(window, window), step=32)
-    flight.flow = pictures[-2], pictures[-1], field_, (float(true[0]), float(true[1]))
+    flight.flow = pictures[early], pictures[late], field_, (float(true[0]), float(true[1]))
 
 
 def _mosaic(flight: Flight, board: Board, camera: Camera, out: Path, step: Callable[[str], None]) -> None:

@@ -16,7 +16,7 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from sw.demo import DT, IMAGES, Flight
+from sw.demo import DT, FLOW_FRAMES, IMAGES, Flight
 from sw.flow import draw_flow
 from sw.panel import draw_tracks, stages
 from sw.sources import Picture
@@ -81,12 +81,12 @@ def _filter(f: Flight) -> str:
 def _flow(f: Flight) -> str:
     assert f.flow is not None and f.first is not None and f.last is not None
     before, after, field, true = f.flow
-    flow = [_figure(before, "time t"), _figure(after, f"time t + {DT:g} s"),
+    flow = [_figure(before, "time t"), _figure(after, f"time t + {FLOW_FRAMES * DT:g} s"),
             _figure(draw_flow(before, field), "flow, arrows twice as long")]
     dx, dy = field.dominant()
     tracks = [_figure(draw_tracks(f.first, f.initial, f.window), "initial image"),
               _figure(draw_tracks(f.last, f.points, f.window), "last image, red: out of view")]
-    return (f"<h2>Flow and tracking</h2><p>From frame to frame (figure 6): the scene moved by ({true[0]:.2f}, "
+    return (f"<h2>Flow and tracking</h2><p>Between two frames (figure 6): the scene moved by ({true[0]:.2f}, "
             f"{true[1]:.2f}) px; the median of {int(field.valid.sum())} valid windows says ({dx:.2f}, {dy:.2f}).</p>"
             f"{_row(flow)}<p>Against the initial image (figure 7): nothing to drift. {f.tracked[1]} of {f.tracked[0]} "
             f"measurements of features in view valid, {_rms(f.errors):.3f} px RMS from the truth, at most "
