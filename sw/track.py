@@ -28,6 +28,9 @@ from sw.board import Image
 from sw.measure import Measurement, Measurer, Query, Reason, Rules, View, white_match
 from sw.predict import Float, SearchPredictor
 
+PRECISE_PX = 1.8
+"""Of the original picture: 2 px, less what the reference it is compared with is off itself."""
+
 
 @dataclass(frozen=True)
 class TrackSettings:
@@ -36,9 +39,9 @@ class TrackSettings:
     window: int = 64
     features: int = 30
     """Features wanted in view; those that leave it or drift are replaced, several at a time."""
-    precise_px: float = 2.0
-    """Error within which 98 % of the valid positions shall lie."""
-    healthy_score: float = 0.75
+    precise_px: float = PRECISE_PX
+    """Error within which 98 % of the valid positions shall lie: PRECISE_PX of the original's pixels."""
+    healthy_score: float = 0.78
     """Peak below which an anchor is too unlike the present picture to be of use."""
     agree_px: float = 1.0
     """How far an anchor and the frame before may disagree about where a feature went, and a window and its inner
@@ -91,17 +94,23 @@ class _Fix:
         """Distance that 98 % of such positions are within: 2.4 times the median one (Rayleigh)."""
         return 2.4 * float(np.hypot(self.noise, self.bias))
 
-    def linked(self, position: Float, score: float, apart: float) -> _Fix:
-        """The fix one measurement further on: where it put the feature, its peak, and how far window and inner quarter
-        were apart.
+    def linked(self, step: Float, score: float, apart: float, sigma: float) -> _Fix:
+        """The fix one measurement further on.
 
-        Measured on real seabed (two surveys, gaps of 1 to 12 frames, sigma 2.5): the median error of a 64x64 window's
-        inner quarter grows linearly as its peak falls, from 0.2 px at 0.91 to 0.6 px at 0.7; about half of it repeats
-        itself in the next link.
+        Measured on real seabed (two surveys, gaps of 1 to 12 frames, sigma 2.5, 64x64 windows): the median error of the
+        inner quarter grows linearly as the window's peak falls, from 0.2 px at 0.91 to 0.6 px at 0.7, as perspective
+        spreads the displacements in the window: the same peak at another sigma tells of a spread in proportion. About
+        half of the error repeats itself in the next link.
+
+        Args:
+            step: displacement, pixels.
+            score: peak, matching fraction.
+            apart: how far window and inner quarter were apart, which tells of relief, pixels.
+            sigma: of the filter, pixels.
         """
-        error = 0.15 + 2.1 * max(0.93 - score, 0.0)
-        bias = 0.5 * error + 0.5 * apart
-        return _Fix(position, float(np.hypot(self.noise, 0.7 * error)), self.bias + bias, self.links + 1)
+        error = 0.15 + 0.84 * sigma * max(0.93 - score, 0.0)
+        return _Fix(self.position + step, float(np.hypot(self.noise, 0.7 * error)),
+                    self.bias + 0.5 * error + 0.2 * apart, self.links + 1)
 
 
 @dataclass(eq=False)
@@ -190,7 +199,7 @@ class Tracker:
             for f in missing:
                 motion = motions[f.number]
                 f.anchor = kept
-                answers[f.number] = motion.pin.whole, _onward(f.fix, motion.pin)
+                answers[f.number] = motion.pin.whole, self._onward(f.fix, motion.pin)
         points = [self._settle(f, motions[f.number], answers.get(f.number)) for f in self._features]
         self._features = [f for f in self._features if f.flagged <= self._settings.patience]
         return points
@@ -266,7 +275,7 @@ class Tracker:
         for (anchor, f, reach), answer in zip(asked, self._pinpoint(queries, rules), strict=True):
             if not answer.whole.valid:
                 continue
-            fix = _onward(anchor.fixes[f.number], answer)
+            fix = self._onward(anchor.fixes[f.number], answer)
             motion = motions[f.number]
             tolerance = s.agree_px if f.found and motion.measured else reach
             if np.hypot(*(fix.position - f.fix.position - motion.step)) > tolerance:
@@ -287,6 +296,9 @@ class Tracker:
             self._anchors.append(anchor)
         anchor.fixes.update({f.number: f.fix for f in self._features if f.found})
         return anchor
+
+    def _onward(self, fix: _Fix, pin: _Pin) -> _Fix:
+        return fix.linked(pin.step, pin.whole.score, pin.apart, self._measurer.sigma)
 
     def _pinpoint(self, queries: Sequence[Query], rules: Rules) -> list[_Pin]:
         """Measure windows, then the inner quarter of each one found, which counts as the displacement of its centre.
@@ -338,10 +350,6 @@ class Tracker:
 def _query(reference: View, live: View, position: Float, window: int, guess: Float, reach: int) -> Query:
     x, y = (round(float(v)) for v in position)
     return Query(reference, live, x, y, window, window, (float(guess[0]), float(guess[1])), (reach, reach))
-
-
-def _onward(fix: _Fix, pin: _Pin) -> _Fix:
-    return fix.linked(fix.position + pin.step, pin.whole.score, pin.apart)
 
 
 def _point(f: _Feature, answer: Measurement, reason: str) -> TrackPoint:
