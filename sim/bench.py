@@ -1,6 +1,7 @@
 """Measures speeds on this machine and writes `out/bench.json`.
 
-`python -m sim.bench [--out FILE]`. Ratios within one run are what counts: the machine's load changes all figures alike.
+`python -m sim.bench [--out FILE]`. Seconds are of processor time, of one core: what else the machine does counts little,
+but ratios within one run are what to go by.
 """
 
 from __future__ import annotations
@@ -32,13 +33,13 @@ QUEUE = 40
 
 
 def fastest(work: Callable[[], object], seconds: float = 1.0, least: int = 3) -> float:
-    """Shortest duration of `work` in seconds, over at least `least` runs and about `seconds` altogether."""
+    """Least processor time of `work` in seconds, over at least `least` runs and about `seconds` altogether."""
     work()
     times: list[float] = []
     while len(times) < least or sum(times) < seconds:
-        begun = time.perf_counter()
+        begun = time.process_time()
         work()
-        times.append(time.perf_counter() - begun)
+        times.append(time.process_time() - begun)
     return min(times)
 
 
@@ -62,11 +63,11 @@ def clock_rates(config: Config) -> dict[str, Any]:
     rates = []
     for _ in range(5):
         with device(config, workload.SIZE) as board:
-            first, begun = board.clocks, time.perf_counter()
+            first, begun = board.clocks, time.process_time()
             for slot, frame in enumerate(workload.frames()):
                 board.capture({0: slot}, {0: frame})
             results = [[r.best_x, r.best_y, r.score] for r in board.run(workload.jobs())]
-            rates.append((board.clocks - first) / (time.perf_counter() - begun))
+            rates.append((board.clocks - first) / (time.process_time() - begun))
     if results != slow["results"]:
         raise SystemExit(f"cocotb and Verilated boards disagree: {slow['results']} and {results}")
     cocotb_rate = slow["clocks"] / slow["seconds"]
@@ -102,9 +103,9 @@ def utilisation(config: Config) -> dict[str, Any]:
         board.capture({0: 0}, {0: first_frame})
         board.capture({0: 1}, {0: second})
         jobs = [workload.search(size, tag) for tag in range(QUEUE)]
-        scores, first, begun = board.counters()["scores"], board.clocks, time.perf_counter()
+        scores, first, begun = board.counters()["scores"], board.clocks, time.process_time()
         results = board.run(jobs)
-        seconds, clocks = time.perf_counter() - begun, board.clocks - first
+        seconds, clocks = time.process_time() - begun, board.clocks - first
         scores = board.counters()["scores"] - scores
     planes = {k: sign(f, workload.SIGMA, config.radius) for k, f in enumerate((first_frame, second))}
     if results[0] != golden_run(jobs[0], planes, config, size):
