@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import cv2
 import numpy as np
@@ -15,7 +16,8 @@ from sw import figure8
 from sw.board import BoardBase, BoardError, Image, run_jobs
 from sw.golden_board import GoldenBoard
 from sw.measure import Measurer
-from sw.track import Tracker, TrackSettings
+from sw.sources import Fit, open_source
+from sw.track import Tracker, TrackPoint, TrackSettings
 from sw.verilated_board import VerilatedBoard
 
 Pair = tuple[GoldenBoard, VerilatedBoard]
@@ -32,7 +34,7 @@ def boards(request: pytest.FixtureRequest) -> Iterator[Pair]:
 def _frames(size: tuple[int, int], count: int, seed: int = 0) -> list[Image]:
     """Crops of a photograph wandering over it, with noise."""
     rng = np.random.default_rng(seed)
-    gravel: Image = skimage.data.gravel()  # type: ignore[no-untyped-call]
+    gravel: Image = skimage.data.gravel()
     photo = cv2.resize(gravel, (max(size[0] + 120, 512), max(size[1] + 120, 512)))
     frames = []
     for n in range(count):
@@ -133,14 +135,28 @@ def test_figure8() -> None:
                 assert np.array_equal(golden.read_plane(slot), verilated.read_plane(slot))
 
 
-def test_tracks() -> None:
-    """A short video tracked on both boards: every figure equal, down to the last bit of the sub-pixel fit."""
-    size = (320, 240)
-    settings = TrackSettings(features=8)
+def _tracks(frames: list[Image], fit: Fit, features: int) -> list[list[TrackPoint]]:
+    """Tracks by the golden board, which those by the Verilated board equal to the last bit of the sub-pixel fits."""
     points = []
     for kind in (GoldenBoard, VerilatedBoard):
         with kind(FULL) as board:
-            tracker = Tracker(Measurer(board, size, 2.5), settings)
-            points.append([tracker.step(frame) for frame in _frames(size, 4, seed=2)])
+            tracker = Tracker(Measurer(board, fit.board, 2.5), TrackSettings(features=features))
+            points.append([tracker.step(fit.show(frame)) for frame in frames])
     assert points[0] == points[1]
-    assert sum(p.valid and p.dx < -1 for frame in points[0] for p in frame) >= 20
+    return points[0]
+
+
+def test_tracks() -> None:
+    size = (320, 240)
+    points = _tracks(_frames(size, 5, seed=2), Fit.to(size, FULL, 64), 8)
+    assert sum(p.valid and p.dx < -1 for frame in points for p in frame) >= 16
+
+
+@pytest.mark.parametrize("name", ["sparus", "aqualoc"])
+def test_tracks_of_real_seabed(name: str) -> None:
+    file = figure8.SHARED / name / f"{name}_snippet.mp4"
+    if not file.exists():
+        pytest.skip("real frames are not at hand: no ../shared/data")
+    frames = [f.grey for f in islice(open_source(file), 4)]
+    points = _tracks(frames, Fit.to(frames[0].shape[::-1], FULL, 64), 10)
+    assert sum(p.valid for frame in points[1:] for p in frame) >= 15
