@@ -1,13 +1,13 @@
 """Every field of the register map, written and read over AXI4-Lite by an independent bus master."""
 
 import random
-from typing import Any
+from typing import Any, cast
 
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster
-from systemrdl import RDLCompiler
+from systemrdl.compiler import RDLCompiler
 from systemrdl.node import AddressableNode, FieldNode, RegNode
 
 from golden.cycle_control import ControlModel
@@ -68,7 +68,7 @@ async def stored_fields(dut) -> None:
     stored = {p: f for p, f in fields().items()
               if nodes[p].is_sw_writable and nodes[p].is_sw_readable and not nodes[p].get_property("woclr")}
     assert len(stored) >= 29
-    held = {p: nodes[p].get_property("reset") or 0 for p in stored}
+    held: dict[str, int] = {p: cast(int, nodes[p].get_property("reset") or 0) for p in stored}
     for path, field in stored.items():
         assert field.unpack(await bus.read_dword(field.address)) == held[path], f"{path} after reset"
     for path, field in stored.items():
@@ -104,12 +104,12 @@ async def status_fields(dut) -> None:
     await RisingEdge(dut.clk_i)
     want = model.status(driven, driven["result_i"])
     checked = 0
-    for path, value in want.items():
+    for path, status in want.items():
         if path.startswith("counter.") or path == "filter.busy":
             continue
         for _ in range(2):
             read = fields()[path].unpack(await bus.read_dword(fields()[path].address))
-            assert read == value, f"{path} is {read:#x}, should be {value:#x}"
+            assert read == status, f"{path} is {read:#x}, should be {status:#x}"
             if not nodes[path].parent.has_sw_writable:
                 await bus.write_dword(fields()[path].address, 0xFFFFFFFF)
         checked += 1

@@ -1,7 +1,7 @@
 """Cycle model of `slog_board`, composed of the models of its blocks.
 
-Within a clock the blocks hear from one another only through registered outputs; what a block needs from one stepped after
-it is read from that one's state.
+Within a clock the blocks hear from one another only through registered outputs; what a block needs from one stepped
+after it is read from that one's state.
 """
 
 from __future__ import annotations

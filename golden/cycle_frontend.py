@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from golden.cycle_log import Bits, LogModel
@@ -209,7 +210,7 @@ class PackerModel:
         self.bits: list[int | None] = []
         self.out: Bits = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
 
-    def step(self, i: dict[str, int | None]) -> Bits:
+    def step(self, i: Mapping[str, int | None]) -> Bits:
         """Outputs of this clock, then the edge."""
         out = dict(self.out)
         valid = i["bit_valid_i"]

@@ -98,7 +98,7 @@ def test_shift_is_found(job: Job, a: Plane, dx: int, dy: int) -> None:
     """A search plane that is the template plane rolled has a perfect score where the roll says, if it is searched."""
     b = np.roll(a, (dy, dx), (0, 1))
     x, y = job.tpl_x + dx, job.tpl_y + dy
-    inside = (0 <= x and x + job.width <= WIDTH and 0 <= y and y + job.height <= HEIGHT)
+    inside = (x >= 0 and x + job.width <= WIDTH and y >= 0 and y + job.height <= HEIGHT)
     if inside and 0 <= x - job.search_x < job.offsets_x and 0 <= y - job.search_y < job.offsets_y:
         assert surface(a, b, job)[y - job.search_y, x - job.search_x] == job.width * job.height
         assert run(job, {0: a, 1: b}, TINY, SIZE).score == job.width * job.height

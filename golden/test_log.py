@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-import scipy.ndimage  # type: ignore[import-untyped]
+import scipy.ndimage
 import skimage.data
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,7 +1,7 @@
 """Measures speeds on this machine and writes `out/bench.json`.
 
-`python -m sim.bench [--out FILE]`. Seconds are of processor time, of one core: what else the machine does counts little,
-but ratios within one run are what to go by.
+`python -m sim.bench [--out FILE]`. Seconds are of processor time, of one core: what else the machine does counts
+little, but ratios within one run are what to go by.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def clock_rates(config: Config) -> dict[str, Any]:
     out = OUT.parent / "bench-cocotb.json"
     out.parent.mkdir(parents=True, exist_ok=True)
     out.unlink(missing_ok=True)
-    simulate("slog_board", rtl_sources(config.name), "cocotb_tests.bench_board",
+    simulate("slog_board", rtl_sources(config.name), "cocotb_tests.bench_board", ports=("*_i", "*_o", "s_axil_*"),
              env={"SLOG_BENCH_CONFIG": config.name, "SLOG_BENCH_OUT": str(out)})
     slow = json.loads(out.read_text())
     out.unlink()

@@ -44,7 +44,8 @@ def rtl_sources(config: str) -> list[Path]:
 
 
 def ecp5_sources(config: str) -> list[Path]:
-    """The sources for the ECP5: modules with a twin in `rtl/ecp5` are that twin; models of the primitives come first."""
+    """The sources for the ECP5: modules with a twin in `rtl/ecp5` are that twin; models of the primitives come
+    first."""
     twins = RTL / "ecp5"
     chosen = [twins / path.name if (twins / path.name).exists() else path for path in rtl_sources(config)]
     extra = [path for path in sorted(twins.glob("*.sv")) if path not in chosen]

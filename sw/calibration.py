@@ -36,13 +36,15 @@ class StereoGeometry:
     shift: float = 0.0
 
     def depth(self, disparity: Matrix) -> Matrix:
-        """Metres along the optical axis of disparities in pixels, any shape; NaN where there is none that is positive."""
+        """Metres along the optical axis of disparities in pixels, any shape; NaN where there is none that is
+        positive."""
         d = np.asarray(disparity, np.float64) + self.shift
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(d > 0, self.focal * self.baseline / d, np.nan)
 
     def points(self, x: Matrix, y: Matrix, disparity: Matrix) -> Matrix:
-        """Points (n, 3), metres, right, down and forward of the left camera, of pixels x, y (n,) with disparities (n,)."""
+        """Points (n, 3), metres, right, down and forward of the left camera, of pixels x, y (n,) with disparities
+        (n,)."""
         z = self.depth(disparity)
         return np.stack([(x - self.centre[0]) / self.focal * z, (y - self.centre[1]) / self.focal * z, z], axis=-1)
 
@@ -109,12 +111,13 @@ def read_mono(path: Path) -> tuple[Matrix, Matrix, tuple[int, int]]:
         CalibrationError: if the file or an entry is missing.
     """
     storage = _open(path)
-    return (_matrix(storage, path, "camera_matrix", "K"), _matrix(storage, path, "distortion_coefficients", "D").ravel(),
-            _size(storage, path))
+    distortion = _matrix(storage, path, "distortion_coefficients", "D").ravel()
+    return _matrix(storage, path, "camera_matrix", "K"), distortion, _size(storage, path)
 
 
 def read_stereo(path: Path) -> Rectifier:
-    """Rectifier of a stereo calibration: `K1 D1 K2 D2 R T` (or `M1 ... M2`), `image_width`, `image_height`; T in metres.
+    """Rectifier of a stereo calibration: `K1 D1 K2 D2 R T` (or `M1 ... M2`), `image_width`, `image_height`; T in
+    metres.
 
     Raises:
         CalibrationError: if the file or an entry is missing, or the cameras do not sit side by side.

@@ -1,9 +1,10 @@
 """Stereo range: disparities of a grid of windows along the rows of a rectified pair (the paper's figure 5).
 
-Each window of the left view is searched for along the same rows of the right view: a one-dimensional job. A disparity is left x
-minus right x, positive for everything nearer than infinity. The measurement layer checks peak, margin, texture, and that the search
-from the right view back returns to the left window (left-right check). At the edge of a near thing a window holds two depths and
-may answer with either; a window twice as large then answers differently, so the two must agree.
+Each window of the left view is searched for along the same rows of the right view: a one-dimensional job. A disparity
+is left x minus right x, positive for everything nearer than infinity. The measurement layer checks peak, margin,
+texture, and that the search from the right view back returns to the left window (left-right check). At the edge of a
+near thing a window holds two depths and may answer with either; a window twice as large then answers differently, so
+the two must agree.
 """
 
 from __future__ import annotations

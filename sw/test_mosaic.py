@@ -53,7 +53,7 @@ def test_real_survey(run: str, tmp_path: Path) -> None:
             assert miss <= 8 + 0.05 * math.hypot(x, y), (run, a.name, b.name)
     assert len(edges) >= 6 and straight >= 1 and accepted >= 0.8 * straight
     assert _rows(tmp_path / "poses.csv")[0]["frame"] == frames[0].name
-    assert cv2.imread(str(tmp_path / "mosaic.png")) is not None
+    assert np.asarray(cv2.imread(str(tmp_path / "mosaic.png"))) is not None
 
 
 def test_snapshots_by_thirds_of_the_frame(tmp_path: Path) -> None:
@@ -72,7 +72,7 @@ def test_snapshots_by_thirds_of_the_frame(tmp_path: Path) -> None:
         assert np.allclose([float(row["x_px"]), float(row["y_px"])], centre[:2], atol=2.0)
         assert float(row["rot_deg"]) == pytest.approx(math.degrees(pose.heading), abs=0.5)
         assert float(row["scale"]) == pytest.approx(1, abs=0.01)
-    mosaic = cv2.imread(str(tmp_path / "mosaic.png"), cv2.IMREAD_UNCHANGED)
+    mosaic = np.asarray(cv2.imread(str(tmp_path / "mosaic.png"), cv2.IMREAD_UNCHANGED))
     assert mosaic.ndim == 2 and mosaic.shape[0] >= 240 + 4 * 75 and (mosaic > 0).mean() > 0.7
 
 

@@ -24,7 +24,7 @@ def _cut(photo: Picture, place: Similarity, size: tuple[int, int] = SIZE, seed: 
     """The frame that `place` puts into the photograph, with sensor noise."""
     view = cv2.warpAffine(photo, place.matrix, size, flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP)
     noise = np.random.default_rng(seed).normal(0, 3, view.shape)
-    return np.clip(view + noise, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(view + noise, 0, 255), np.uint8)
 
 
 @pytest.mark.parametrize(("rot", "scale", "shift"), [

@@ -41,7 +41,7 @@ def test_two_sights_of_relief_agree(relief: Seafloor) -> None:
     a, b = world.look(CAMERA, one), world.look(CAMERA, two)
     points = one.position + (CAMERA.rays * a.depth[..., None]).reshape(-1, 3) @ one.rotation.T
     at = CAMERA.project(two, points).reshape(*a.frame.shape, 2).astype(np.float32)
-    warped = cv2.remap(b.frame, at, None, cv2.INTER_LINEAR)
+    warped = cv2.remap(b.frame, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
     inside = (at > 2).all(axis=2) & (at < np.array(CAMERA.size) - 3).all(axis=2)
     assert inside.mean() > 0.5
     assert np.corrcoef(warped[inside], a.frame[inside])[0, 1] > 0.97

@@ -177,7 +177,8 @@ class Host:
         """Hand a job or grid to the board, ready or not."""
         (tpl_slot, tpl_x, tpl_y, width, height, slot, x, y, across, down, tag, surface) = map(int, astuple(job))
         for register, values in (
-                ("job.tpl", {"slot": tpl_slot, "x": tpl_x, "y": tpl_y}), ("job.window", {"width": width, "height": height}),
+                ("job.tpl", {"slot": tpl_slot, "x": tpl_x, "y": tpl_y}),
+                ("job.window", {"width": width, "height": height}),
                 ("job.search", {"slot": slot, "x": x, "y": y}), ("job.offsets", {"across": across, "down": down}),
                 ("job.grid", {"across": count[0], "down": count[1]}), ("job.step", {"x": step[0], "y": step[1]})):
             self.master.write(address(register), word(register, **values))
