@@ -160,7 +160,7 @@ module slog_video_in #(
   assign boundary     = !rd_active_q || rd_last;
   assign take         = boundary && level_q != '0;
   assign start_line   = take && !dead[rd_line_q];
-  assign start_filler = boundary && level_q == '0 && out_active_q && !(rd_active_q && out_left_q == '0)
+  assign start_filler = boundary && level_q == '0 && out_active_q && !out_kill && !(rd_active_q && out_left_q == '0)
                         && !mid_frame_q && state_q != StActive;
   assign line_first   = first_q[rd_line_q];
   assign line_is_last = !line_first && rd_row_q == row_last_q;

@@ -29,13 +29,15 @@ class Item:
 
 
 def texture(rng: random.Random, width: int, height: int) -> Image:
-    """Random image: noise, or noise over few levels so that responses of exactly zero occur, or flat patches."""
+    """Random image: noise of full, of highest or of lowest contrast, or flat patches, where responses are exactly 0."""
     source = np.random.default_rng(rng.getrandbits(32))
-    kind = rng.randrange(3)
+    kind = rng.randrange(4)
     if kind == 0:
         return source.integers(0, 256, (height, width), dtype=np.uint8)
     if kind == 1:
         return (source.integers(0, 2, (height, width), dtype=np.uint8) * 255).astype(np.uint8)
+    if kind == 2:
+        return source.integers(126, 130, (height, width), dtype=np.uint8)
     patches = source.integers(0, 256, (-(-height // 6), -(-width // 6)), dtype=np.uint8)
     return np.ascontiguousarray(np.kron(patches, np.ones((6, 6), np.uint8))[:height, :width])
 
@@ -105,8 +107,10 @@ class Seen:
 
     def observe(self, i: Inputs, out: Outputs) -> None:
         """Take one clock's outputs of the front end; asserts the order of its pulses."""
-        if i["rst_i"]:
+        if i["rst_i"]:  # what was on its way is void
             self._open = False
+            self.clock += 1
+            return
         self.drops += out["dropped_o"] or 0
         self.accepted += out["accepted_o"] or 0
         self.stalled += bool(i["tvalid_i"] and not out["tready_o"])
