@@ -94,7 +94,7 @@ class _Fix:
         """Distance that 98 % of such positions are within: 2.4 times the median one (Rayleigh)."""
         return 2.4 * float(np.hypot(self.noise, self.bias))
 
-    def linked(self, step: Float, score: float, apart: float, sigma: float) -> _Fix:
+    def linked(self, step: Float, score: float, apart: float, sigma: float, window: int) -> _Fix:
         """The fix one measurement further on.
 
         Measured on real seabed (two surveys, gaps of 1 to 12 frames, sigma 2.5, 64x64 windows): the median error of the
@@ -107,8 +107,9 @@ class _Fix:
             score: peak, matching fraction.
             apart: how far window and inner quarter were apart, which tells of relief, pixels.
             sigma: of the filter, pixels.
+            window: its side, pixels; smaller ones than 64 are noisier by the root of it.
         """
-        error = 0.15 + 0.84 * sigma * max(0.93 - score, 0.0)
+        error = (0.15 + 0.84 * sigma * max(0.93 - score, 0.0)) * max(1.0, (64 / window) ** 0.5)
         return _Fix(self.position + step, float(np.hypot(self.noise, 0.7 * error)),
                     self.bias + 0.5 * error + 0.2 * apart, self.links + 1)
 
@@ -298,7 +299,7 @@ class Tracker:
         return anchor
 
     def _onward(self, fix: _Fix, pin: _Pin) -> _Fix:
-        return fix.linked(pin.step, pin.whole.score, pin.apart, self._measurer.sigma)
+        return fix.linked(pin.step, pin.whole.score, pin.apart, self._measurer.sigma, self._settings.window)
 
     def _pinpoint(self, queries: Sequence[Query], rules: Rules) -> list[_Pin]:
         """Measure windows, then the inner quarter of each one found, which counts as the displacement of its centre.
