@@ -3,6 +3,7 @@
 import random
 from collections import deque
 from collections.abc import Generator
+from dataclasses import replace
 
 import cocotb
 import numpy as np
@@ -97,7 +98,7 @@ def everyday(h: Host) -> Script:
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
     yield from capture_pair(h, planes, (0, 1))
-    jobs = [random_job(h.rng, tag, SIZE) for tag in range(6)] + refused_jobs(6)
+    jobs = [replace(random_job(h.rng, tag, SIZE), surface=tag < 4) for tag in range(6)] + refused_jobs(6)
     h.rng.shuffle(jobs)
     yield from work(h, planes, jobs, 2)
     check_results(h, jobs, {s: planes[s] for s in (0, 1)})

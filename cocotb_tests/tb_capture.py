@@ -38,14 +38,14 @@ class Seen:
 
 
 def camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) -> Iterator[Wire]:
-    """Endless frames of `rows` x `words` words; a quarter of them aborted half-way. Tight: no pause but what the
+    """Endless frames of `rows` x `words` words; four in ten aborted half-way. Tight: no pause but what the
     narrowest image enforces: two words together at a row's end, then eight clocks."""
     while True:
         for _ in range(0 if tight else rng.randrange(60)):
             yield Wire(data=rng.getrandbits(bits))
         yield Wire(start=1)
         total = rows * words
-        stop = rng.randrange(total) if rng.random() < 0.25 else None
+        stop = rng.randrange(total) if rng.random() < 0.4 else None
         for _ in range(6 if tight else rng.randrange(6, 20)):
             yield Wire(data=rng.getrandbits(bits))
         for k in range(total):
@@ -76,7 +76,7 @@ def traffic(rng: random.Random, p: dict[str, int], tight: bool, resets: bool) ->
         pack = {name: sum(getattr(w, name) << c for c, w in enumerate(wires))
                 for name in ("valid", "last", "start", "done", "abort")}
         out = yield {
-            "rst_i": int(resets and t % 911 == 910), "cmd_valid_i": int(rng.random() < 0.06),
+            "rst_i": int(resets and t % 911 == 910), "cmd_valid_i": int(rng.random() < 0.04),
             "cmd_cancel_i": int(rng.random() < 0.1), "cmd_camera_i": rng.getrandbits(1),
             "cmd_slot_i": rng.getrandbits(3), "clear_i": int(rng.random() < 0.002 and not out["writing_o"]),
             "slot_busy_i": busy, "word_valid_i": pack["valid"],
@@ -124,7 +124,7 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
         before.update(writing_o=out["writing_o"], armed_o=out["armed_o"])
 
     assert await check_cycles(dut, model, traffic(rng, p, tight, resets), watch) == CLOCKS
-    assert seen.captures >= 8 and seen.aborted >= 2 and seen.refused >= 20 and seen.given_up >= 2
+    assert seen.captures >= 8 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 2
     assert p["Cameras"] == 1 or seen.both >= 2
 
 

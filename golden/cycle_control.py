@@ -130,6 +130,10 @@ class ControlModel:
         self.peek = PeekModel(config.group_bits, config.store_words)
         self.counts = [0] * 10
         self.irq = 0
+        # What the registers see: the clock before.
+        self.shown: dict[str, int | None] = {}
+        self.events = dict.fromkeys(EVENTS, 0)
+        self.answer: tuple[int, int | None] = 0, 0
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
@@ -191,12 +195,17 @@ class ControlModel:
         """Take the clock edge; `result_i` and `peek_data_i`, which may be undefined, stand apart."""
         v = self.csr.value
         overflow = int(v["job.submit.go"] and not i["job_ready_i"])
-        events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), overflow), strict=True))
+        events, answer, shown = self.events, self.answer, self.shown
+        self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), overflow), strict=True))
+        self.answer = int(self.peek.answer), self.peek.data
+        if i["s_axil_arvalid"] or self.csr.ar is not None:  # otherwise nobody reads in the next clock
+            self.shown = self.status(i, result)
         if i["rst_i"]:
             self.csr.reset()
             self.bank.reset()
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
+            self.events, self.answer = dict.fromkeys(EVENTS, 0), (0, 0)
             return
         taken = bool(i["result_valid_i"] and v["result.pop.go"])
         good = taken and result is not None and RESULT.unpack(result)["status"] == 0
@@ -206,7 +215,7 @@ class ControlModel:
             v[name] and v[name.replace("status", "enable")] for name in EVENTS)
         request, active = self.csr.external_read, i["active_i"] | i["writing_i"]
         before = dict(v)
-        self.csr.edge(i, lambda: self.status(i, result), events, int(self.peek.answer), self.peek.data)
+        self.csr.edge(i, shown, events, *answer)
         v = before
         self.bank.edge(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
                        commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]),

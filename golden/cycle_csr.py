@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Protocol
 
 DEPTH = 3
@@ -100,13 +100,13 @@ class CsrModel:
             "s_axil_rresp": 0,
         }
 
-    def edge(self, i: Mapping[str, int], status: Callable[[], Mapping[str, int | None]],
+    def edge(self, i: Mapping[str, int], status: Mapping[str, int | None],
              events: Mapping[str, int], answer: int, answer_data: int | None) -> None:
         """Take the clock edge.
 
         Args:
             i: inputs.
-            status: values of the fields hardware drives, None if undefined; asked only when something is read.
+            status: values of the fields hardware drives, None if undefined.
             events: hardware's wish to set a `cleared` field.
             answer: the hardware answers the waiting register now, with `answer_data`.
         """
@@ -137,7 +137,7 @@ class CsrModel:
         if answer:
             self.retimed = answer_data
         elif reads:
-            self.retimed = self._read(mux, status())
+            self.retimed = self._read(mux, status)
         self.retimed_done, ack_before = reads, self.retimed_ack
         self.retimed_ack = bool(answer)
         self.read_address = mux

@@ -9,6 +9,7 @@ gen/slog_csr_pkg.sv
 slog_ram.sv
 slog_mult.sv
 slog_fifo.sv
+slog_clock_gate.sv
 slog_stage.sv
 slog_store.sv
 slog_align.sv

@@ -132,12 +132,19 @@ module slog_board
   );
 
   for (genvar c = 0; c < Cameras; c++) begin : g_camera
+    logic clk;
+    slog_clock_gate u_gate (
+        .clk_i,
+        .rst_i,
+        .active_i(vid_tvalid_i[c] || front_busy[c]),
+        .clk_o   (clk)
+    );
     slog_frontend #(
         .MaxWidth(MaxWidth),
         .Radius(Radius),
         .GroupBits(GroupBits)
     ) u_frontend (
-        .clk_i,
+        .clk_i        (clk),
         .rst_i,
         .tdata_i      (vid_tdata_i[c]),
         .tvalid_i     (vid_tvalid_i[c]),
@@ -161,6 +168,15 @@ module slog_board
     );
   end
 
+  logic store_clk;
+  slog_clock_gate u_store_gate (
+      .clk_i,
+      .rst_i,
+      .active_i(front_busy != '0 || writing != '0 || capture_valid || slots_clear || work || peek_valid || peek_done ||
+                !peek_ready),
+      .clk_o   (store_clk)
+  );
+
   slog_capture #(
       .Cameras(Cameras),
       .GroupBits(GroupBits),
@@ -168,7 +184,7 @@ module slog_board
       .SlotWords(SlotWords),
       .WordsPerRow(WordsPerRow)
   ) u_capture (
-      .clk_i,
+      .clk_i        (store_clk),
       .rst_i,
       .cmd_valid_i  (capture_valid),
       .cmd_cancel_i (capture_cancel),
@@ -196,7 +212,7 @@ module slog_board
       .Width(GroupBits),
       .Words(StoreWords)
   ) u_store (
-      .clk_i,
+      .clk_i       (store_clk),
       .rst_i,
       .wr_valid_i  (wr_valid),
       .wr_addr_i   (wr_addr),
@@ -211,8 +227,20 @@ module slog_board
       .peek_data_o (peek_data)
   );
 
-  slog_grid u_grid (
+  // After its last step the peak unit takes up to four rows of offsets to come to the result, stalls aside: a stalled one
+  // offers a result or a score.
+  logic correlator_clk;
+  slog_clock_gate #(
+      .Linger(6 * MaxWidth)
+  ) u_correlator_gate (
       .clk_i,
+      .rst_i,
+      .active_i(command_valid || laid_valid || job_valid || work || result_valid || surf_tvalid_o),
+      .clk_o   (correlator_clk)
+  );
+
+  slog_grid u_grid (
+      .clk_i      (correlator_clk),
       .rst_i,
       .job_valid_i(command_valid),
       .job_ready_o(command_ready),
@@ -230,7 +258,7 @@ module slog_board
       .Width($bits(job_t)),
       .Depth(JobDepth)
   ) u_jobs (
-      .clk_i,
+      .clk_i      (correlator_clk),
       .rst_i,
       .in_valid_i (laid_valid),
       .in_ready_o (laid_ready),
@@ -256,7 +284,7 @@ module slog_board
       .SurfaceDepth(SurfaceDepth),
       .ResultDepth(ResultDepth)
   ) u_correlator (
-      .clk_i,
+      .clk_i         (correlator_clk),
       .rst_i,
       .job_valid_i   (job_valid),
       .job_ready_o   (job_ready),

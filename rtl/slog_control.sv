@@ -1,7 +1,8 @@
 // Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
 // registers' commands turned into the blocks' own terms.
 //
-// Latency    : a command reaches the blocks in the clock after its AXI4-Lite write is decoded; irq_o follows its cause by 2.
+// Latency    : a command reaches the blocks in the clock after its AXI4-Lite write is decoded; what is read is one clock old;
+//              irq_o follows a result by 1 clock, other causes by 3.
 module slog_control
   import slog_pkg::*;
   import slog_cfg_pkg::*;
@@ -78,7 +79,8 @@ module slog_control
   localparam int unsigned MaxCameras = 2;
   localparam int unsigned Events = 6 + 2 * MaxCameras;
 
-  slog_csr_pkg::slog_csr__in_t hwif_in;
+  slog_csr_pkg::slog_csr__in_t status, hwif_in;
+  logic clk;
   slog_csr_pkg::slog_csr__out_t hwif_out;
   logic [Events-1:0] events;
   logic [Events-1:0][31:0] counts;
@@ -86,8 +88,30 @@ module slog_control
   logic [31:0] peek_data;
   logic peek_answer;
 
+  // The registers and what answers to them do nothing without an access, an event or a commit or peek under way.
+  slog_clock_gate #(
+      .Linger(16)
+  ) u_gate (
+      .clk_i,
+      .rst_i,
+      .active_i(s_axil_awvalid || s_axil_wvalid || s_axil_arvalid || s_axil_bready || s_axil_rready || captured_i ||
+                dropped_i != '0 || filter_busy || peek_valid_o || peek_done_i),
+      .clk_o   (clk)
+  );
+
+  // What the registers show is one clock old.
+  always_ff @(posedge clk) begin
+    hwif_in <= status;
+    if (rst_i) begin
+      hwif_in.peek_data.rd_ack         <= 1'b0;
+      hwif_in.irq_status.capture.next  <= 1'b0;
+      hwif_in.irq_status.drop.next     <= 1'b0;
+      hwif_in.irq_status.overflow.next <= 1'b0;
+    end
+  end
+
   slog_csr u_csr (
-      .clk(clk_i),
+      .clk,
       .rst(rst_i),
       .s_axil_awready,
       .s_axil_awvalid,
@@ -120,7 +144,7 @@ module slog_control
       .MaxWidth(MaxWidth),
       .MaxHeight(MaxHeight)
   ) u_filter_bank (
-      .clk_i,
+      .clk_i(clk),
       .rst_i,
       .coef_valid_i  (hwif_out.coef.go.value),
       .coef_second_i (hwif_out.coef.second.value),
@@ -144,7 +168,7 @@ module slog_control
       .GroupBits(GroupBits),
       .StoreWords(StoreWords)
   ) u_peek (
-      .clk_i,
+      .clk_i(clk),
       .rst_i,
       .go_i     (hwif_out.peek_address.go.value),
       .address_i(hwif_out.peek_address.word.value),
@@ -196,51 +220,51 @@ module slog_control
   assign result_ready_o = hwif_out.result.pop.go.value;
 
   // Status
-  assign hwif_in.build_image.max_width.next       = 10'(MaxWidth);
-  assign hwif_in.build_image.max_height.next      = 10'(MaxHeight);
-  assign hwif_in.build_filter.min_image.next      = 10'(MinImage);
-  assign hwif_in.build_filter.radius.next         = 5'(Radius);
-  assign hwif_in.build_filter.fraction.next       = 5'(CoefFraction);
-  assign hwif_in.build_window.min_window.next     = 8'(MinWindow);
-  assign hwif_in.build_window.max_window.next     = 8'(MaxWindow);
-  assign hwif_in.build_window.group_bits.next     = 8'(GroupBits);
-  assign hwif_in.build_window.words_per_row.next  = 8'(WordsPerRow);
-  assign hwif_in.build_board.cameras.next         = 4'(Cameras);
-  assign hwif_in.build_board.slots.next           = 4'(Slots);
-  assign hwif_in.build_board.lanes.next           = 8'(Lanes);
-  assign hwif_in.build_board.surface_depth.next   = 16'(SurfaceDepth);
-  assign hwif_in.build_queue.job_depth.next       = 16'(JobDepth);
-  assign hwif_in.build_queue.result_depth.next    = 16'(ResultDepth);
-  assign hwif_in.image_active.width.next          = width_o;
-  assign hwif_in.image_active.height.next         = height_o;
-  assign hwif_in.filter.busy.next                 = filter_busy;
-  assign hwif_in.filter.size_error.next           = size_error;
-  assign hwif_in.filter.active.next               = 2'(active_i);
-  assign hwif_in.slot_status.valid.next           = slot_valid_i;
-  assign hwif_in.slot_status.armed.next           = 2'(armed_i);
-  assign hwif_in.slot_status.writing.next         = 2'(writing_i);
-  assign hwif_in.slot_status.refused.next         = refused_i;
-  assign hwif_in.job.status.waiting.next          = job_level_i;
-  assign hwif_in.job.status.ready.next            = job_ready_i;
-  assign hwif_in.job.status.busy.next             = job_busy_i;
-  assign hwif_in.result.pop.waiting.next          = result_level_i;
-  assign hwif_in.result.head.tag.next             = result_valid_i ? result_i.tag : '0;
-  assign hwif_in.result.head.status.next          = result_valid_i ? result_i.status : '0;
-  assign hwif_in.result.head.valid.next           = result_valid_i;
-  assign hwif_in.result.best.x.next               = result_i.best_x;
-  assign hwif_in.result.best.y.next               = result_i.best_y;
-  assign hwif_in.result.scores.score.next         = result_i.score;
-  assign hwif_in.result.scores.runner_up.next     = result_i.runner_up;
+  assign status.build_image.max_width.next       = 10'(MaxWidth);
+  assign status.build_image.max_height.next      = 10'(MaxHeight);
+  assign status.build_filter.min_image.next      = 10'(MinImage);
+  assign status.build_filter.radius.next         = 5'(Radius);
+  assign status.build_filter.fraction.next       = 5'(CoefFraction);
+  assign status.build_window.min_window.next     = 8'(MinWindow);
+  assign status.build_window.max_window.next     = 8'(MaxWindow);
+  assign status.build_window.group_bits.next     = 8'(GroupBits);
+  assign status.build_window.words_per_row.next  = 8'(WordsPerRow);
+  assign status.build_board.cameras.next         = 4'(Cameras);
+  assign status.build_board.slots.next           = 4'(Slots);
+  assign status.build_board.lanes.next           = 8'(Lanes);
+  assign status.build_board.surface_depth.next   = 16'(SurfaceDepth);
+  assign status.build_queue.job_depth.next       = 16'(JobDepth);
+  assign status.build_queue.result_depth.next    = 16'(ResultDepth);
+  assign status.image_active.width.next          = width_o;
+  assign status.image_active.height.next         = height_o;
+  assign status.filter.busy.next                 = filter_busy;
+  assign status.filter.size_error.next           = size_error;
+  assign status.filter.active.next               = 2'(active_i);
+  assign status.slot_status.valid.next           = slot_valid_i;
+  assign status.slot_status.armed.next           = 2'(armed_i);
+  assign status.slot_status.writing.next         = 2'(writing_i);
+  assign status.slot_status.refused.next         = refused_i;
+  assign status.job.status.waiting.next          = job_level_i;
+  assign status.job.status.ready.next            = job_ready_i;
+  assign status.job.status.busy.next             = job_busy_i;
+  assign status.result.pop.waiting.next          = result_level_i;
+  assign status.result.head.tag.next             = result_valid_i ? result_i.tag : '0;
+  assign status.result.head.status.next          = result_valid_i ? result_i.status : '0;
+  assign status.result.head.valid.next           = result_valid_i;
+  assign status.result.best.x.next               = result_i.best_x;
+  assign status.result.best.y.next               = result_i.best_y;
+  assign status.result.scores.score.next         = result_i.score;
+  assign status.result.scores.runner_up.next     = result_i.runner_up;
   for (genvar k = 0; k < 4; k++) begin : g_neighbour
-    assign hwif_in.result.neighbour[k].even.next = result_i.neighbour[2*k];
-    assign hwif_in.result.neighbour[k].odd.next  = result_i.neighbour[2*k+1];
+    assign status.result.neighbour[k].even.next = result_i.neighbour[2*k];
+    assign status.result.neighbour[k].odd.next  = result_i.neighbour[2*k+1];
   end
-  assign hwif_in.peek_data.rd_ack                 = peek_answer;
-  assign hwif_in.peek_data.rd_data.value          = peek_data;
-  assign hwif_in.irq_status.result.next           = result_valid_i;
-  assign hwif_in.irq_status.capture.next          = captured_i;
-  assign hwif_in.irq_status.drop.next             = dropped_i != '0;
-  assign hwif_in.irq_status.overflow.next         = overflow;
+  assign status.peek_data.rd_ack                 = peek_answer;
+  assign status.peek_data.rd_data.value          = peek_data;
+  assign status.irq_status.result.next           = result_valid_i;
+  assign status.irq_status.capture.next          = captured_i;
+  assign status.irq_status.drop.next             = dropped_i != '0;
+  assign status.irq_status.overflow.next         = overflow;
 
   // Counters
   assign taken = result_valid_i && result_ready_o;
@@ -248,15 +272,15 @@ module slog_control
       MaxCameras'(dropped_i), MaxCameras'(accepted_i), overflow, taken && result_i.status != StatusOk,
       taken && result_i.status == StatusOk, score_i, work_i, 1'b1
   };
-  assign hwif_in.counter.clocks.value.next    = counts[0];
-  assign hwif_in.counter.busy.value.next      = counts[1];
-  assign hwif_in.counter.scores.value.next    = counts[2];
-  assign hwif_in.counter.jobs.value.next      = counts[3];
-  assign hwif_in.counter.refused.value.next   = counts[4];
-  assign hwif_in.counter.overflows.value.next = counts[5];
+  assign status.counter.clocks.value.next    = counts[0];
+  assign status.counter.busy.value.next      = counts[1];
+  assign status.counter.scores.value.next    = counts[2];
+  assign status.counter.jobs.value.next      = counts[3];
+  assign status.counter.refused.value.next   = counts[4];
+  assign status.counter.overflows.value.next = counts[5];
   for (genvar c = 0; c < MaxCameras; c++) begin : g_camera
-    assign hwif_in.counter.frames[c].value.next = counts[6+c];
-    assign hwif_in.counter.drops[c].value.next  = counts[6+MaxCameras+c];
+    assign status.counter.frames[c].value.next = counts[6+c];
+    assign status.counter.drops[c].value.next  = counts[6+MaxCameras+c];
   end
 
   // Interrupt

@@ -1,7 +1,7 @@
 """Builds the Verilated board as a shared library: `python -m sim.build [--config full|tiny] [--trace]`.
 
-The library lies under `build/verilated/<config>[-trace]/` with the digest of everything it was made from; a current build
-returns at once.
+The library lies under `build/verilated/<config>[-trace]/` with the digest of everything it was made from; a current
+build returns at once.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ TOP = "slog_board"
 HARNESS = ROOT / "sim" / "harness" / "board.cpp"
 HEADER = ROOT / "sim" / "gen" / "slog_csr.h"
 WAIVERS = ROOT / "sim" / "verilator" / "waive.vlt"
-VERILATOR_FLAGS = ["-Wall", "-O3", "--unroll-count", "2048", "--x-assign", "fast", "--x-initial", "fast", "--no-timing"]
+VERILATOR_FLAGS = ["-Wall", "-O3", "--unroll-count", "2048", "--x-assign", "fast", "--x-initial", "fast", "--no-timing",
+                   "+define+SYNTHESIS",  # assertions are the cocotb builds' business; here they would only cost time
+                   "+define+SLOG_CLOCK_GATE"]
 CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
 FAST = "-O3"
 """For the code that runs every clock; the rest is compiled quickly."""
