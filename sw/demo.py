@@ -95,7 +95,7 @@ class Flight:
 
 
 def run_demo(board: Board, out: Path, sigma: float, window: int, bar: Bar) -> Path:
-    """Fly, and write `mosaic.png`, `track.csv`, the mosaic's tables and `report.html`.
+    """Fly, and write `mosaic.png`, `track.csv`, the mosaic's tables, `overview.png` and `report.html`.
 
     Args:
         board: any.
@@ -107,6 +107,7 @@ def run_demo(board: Board, out: Path, sigma: float, window: int, bar: Bar) -> Pa
     Returns:
         The report's path.
     """
+    from sw.overview import overview
     from sw.report import write_report
 
     out.mkdir(parents=True, exist_ok=True)
@@ -120,6 +121,7 @@ def run_demo(board: Board, out: Path, sigma: float, window: int, bar: Bar) -> Pa
         _mosaic(flight, board, camera, out, step)
     with _phase(flight, board, "station keeping", bar, round((HELD_SECONDS + FREE_SECONDS) / DT)) as step:
         _station(flight, board, camera, step)
+    cv2.imwrite(str(out / "overview.png"), overview(flight))
     return write_report(flight, out)
 
 
