@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
 Inputs = dict[str, int]
 Outputs = Mapping[str, Any]
@@ -64,10 +64,15 @@ async def check_cycles(
     Raises:
         AssertionError: naming the clock, the signal, both values and the last inputs.
     """
-    clock = Clock(dut.clk_i, 10, unit="ns")
-    task = clock.start()
     handles = {name: getattr(dut, name) for name in (*model.INPUTS, *model.OUTPUTS)}
     idle = dict.fromkeys(model.INPUTS, 0)
+    # Reset is up before the first edge, or assertions would see the random power-up state.
+    dut.clk_i.value = 0
+    for name in model.INPUTS:
+        handles[name].value = int(name == "rst_i")
+    await Timer(1, unit="ns")
+    clock = Clock(dut.clk_i, 10, unit="ns")
+    task = clock.start()
     for _ in range(reset_clocks):
         await RisingEdge(dut.clk_i)
         for name in model.INPUTS:
