@@ -124,8 +124,8 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
         before.update(writing_o=out["writing_o"], armed_o=out["armed_o"])
 
     assert await check_cycles(dut, model, traffic(rng, p, tight, resets), watch) == CLOCKS
-    assert seen.captures >= 8 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 2
-    assert p["Cameras"] == 1 or seen.both >= 2
+    assert seen.captures >= 4 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 1
+    assert p["Cameras"] == 1 or seen.both >= 1
 
 
 def burst(p: dict[str, int]) -> Stimulus:
