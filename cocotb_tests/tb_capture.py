@@ -1,5 +1,6 @@
 """Cocotb side of the `slog_capture` test."""
 
+import itertools
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -68,7 +69,8 @@ def traffic(rng: random.Random, p: dict[str, int], tight: bool, resets: bool) ->
     cameras, bits = p["Cameras"], p["GroupBits"]
     rows = p["SlotWords"] // p["WordsPerRow"]
     feeds = [camera(rng, rows, p["WordsPerRow"], bits, tight) for _ in range(cameras)]
-    busy, out = 0, {"writing_o": 0}
+    busy = 0
+    out: Outputs = {"writing_o": 0}
     for t in range(CLOCKS):
         wires = [next(f) for f in feeds]
         if rng.random() < 0.05:
@@ -150,9 +152,10 @@ async def latency(dut) -> None:
     p = params()
     model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
     words, writes, marks = [], [], {}
+    clocks = itertools.count()
 
     def watch(i: Inputs, out: Outputs) -> None:
-        t = watch.clock = getattr(watch, "clock", -1) + 1
+        t = next(clocks)
         if i["word_valid_i"]:
             words.append(t)
         if out["wr_valid_o"]:

@@ -22,8 +22,9 @@ TOP = "slog_board"
 HARNESS = ROOT / "sim" / "harness" / "board.cpp"
 HEADER = ROOT / "sim" / "gen" / "slog_csr.h"
 WAIVERS = ROOT / "sim" / "verilator" / "waive.vlt"
-VERILATOR_FLAGS = ["-Wall", "-O3", "--unroll-count", "2048", "--x-assign", "fast", "--x-initial", "fast", "--no-timing",
-                   # Assertions are for the cocotb builds; here they would only cost time. Some signals feed nothing else.
+VERILATOR_FLAGS = ["-Wall", "-O3", "--unroll-count", "2048", "--no-timing",
+                   "--x-assign", "fast", "--x-initial", "fast",
+                   # Assertions are for the cocotb builds, here they would cost time; some signals feed nothing else.
                    "+define+SYNTHESIS", "-Wno-UNUSEDSIGNAL", "+define+SLOG_CLOCK_GATE"]
 CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
 FAST = "-O3"

@@ -1,4 +1,4 @@
-"""One picture of a demonstration flight: what the camera sees, what the board keeps of it, what is measured, the mosaic."""
+"""One picture of a demonstration flight: what the camera sees, what the board keeps, what is measured, the mosaic."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def overview(flight: Flight) -> Picture:
     columns = [[frame, signs * np.uint8(255)],
                [draw_flow(flight.flow[0], flight.flow[2]), draw_tracks(flight.last, flight.points, flight.window)],
                [flight.mosaic]]
-    return np.hstack([_column(panels) for panels in columns])[:, :-GAP]
+    return np.asarray(np.hstack([_column(panels) for panels in columns])[:, :-GAP], np.uint8)
 
 
 def _column(panels: list[Picture]) -> Picture:
@@ -37,4 +37,4 @@ def _column(panels: list[Picture]) -> Picture:
         width = round(colour.shape[1] * room / colour.shape[0])
         fitted = np.asarray(cv2.resize(colour, (width, room), interpolation=cv2.INTER_AREA), np.uint8)
         shown.append(cv2.copyMakeBorder(fitted, 0, GAP, 0, GAP, cv2.BORDER_CONSTANT, value=(255, 255, 255)))
-    return np.vstack(shown)[:HEIGHT]
+    return np.asarray(np.vstack(shown)[:HEIGHT], np.uint8)
