@@ -168,12 +168,15 @@ module slog_board
     );
   end
 
+  // Whatever follows a word, a frame's begin or its end is over within a few clocks.
   logic store_clk;
-  slog_clock_gate u_store_gate (
+  slog_clock_gate #(
+      .Linger(16)
+  ) u_store_gate (
       .clk_i,
       .rst_i,
-      .active_i(front_busy != '0 || writing != '0 || capture_valid || slots_clear || work || peek_valid || peek_done ||
-                !peek_ready),
+      .active_i((word_valid | frame_start | frame_done | frame_abort) != '0 || capture_valid || slots_clear || work ||
+                peek_valid || peek_done || !peek_ready),
       .clk_o   (store_clk)
   );
 
