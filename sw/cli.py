@@ -51,7 +51,7 @@ SigmaOption = Annotated[float, typer.Option("--sigma", min=MIN_SIGMA, max=MAX_SI
                                             help="Width of the LoG's Gaussian, pixels of the board's picture.")]
 WindowOption = Annotated[int, typer.Option("--window", min=8, max=128,
                                            help="Side of the correlation windows, pixels of the board's picture.")]
-OutOption = Annotated[Path, typer.Option("--out", help="Folder for what is written; made if missing.", file_okay=False)]
+OutOption = Annotated[Path, typer.Option("--out", help="Folder for what is written; made if missing.")]
 
 
 def guarded(command: Callable[P, None]) -> Callable[P, None]:
@@ -62,6 +62,8 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
             command(*args, **kwargs)
         except (SignumError, BoardError) as error:
             _fail(str(error))
+        except (FileExistsError, NotADirectoryError) as error:
+            _fail(f"{error.filename} is a file: choose another folder with --out")
         except OSError as error:
             _fail(f"{error.filename or 'file'}: {error.strerror or error}")
         except KeyboardInterrupt:
