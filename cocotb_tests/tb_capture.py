@@ -39,13 +39,14 @@ class Seen:
 
 
 def camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) -> Iterator[Wire]:
-    """Endless frames of `rows` x `words` words; four in ten aborted half-way. Tight: no pause but what the
+    """Endless frames of `rows` x 1..`words` words; four in ten aborted half-way. Tight: no pause but what the
     narrowest image enforces: two words together at a row's end, then eight clocks."""
     while True:
         for _ in range(0 if tight else rng.randrange(60)):
             yield Wire(data=rng.getrandbits(bits))
         yield Wire(start=1)
-        total = rows * words
+        across = rng.randint(1, words)
+        total = rows * across
         stop = rng.randrange(total) if rng.random() < 0.4 else None
         for _ in range(6 if tight else rng.randrange(6, 20)):
             yield Wire(data=rng.getrandbits(bits))
@@ -53,13 +54,13 @@ def camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) ->
             if k == stop:
                 yield Wire(abort=1)
                 break
-            end = k % words == words - 1
+            end = k % across == across - 1
             final = k == total - 1
             together = final and rng.random() < 0.5
             yield Wire(1, rng.getrandbits(bits), int(end), done=int(together))
             if final and not together:
                 yield Wire(done=1)
-            if k % words != words - 2:
+            if k % across != across - 2:
                 for _ in range(7 if tight else rng.randrange(1, 9)):
                     yield Wire(data=rng.getrandbits(bits))
 
@@ -93,8 +94,10 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
     model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
     seen = Seen()
-    frames: list[list[int]] = [[] for _ in range(p["Cameras"])]
-    whole: list[list[int]] = [[] for _ in range(p["Cameras"])]
+    # Per camera: words by place in the slot.
+    frames: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
+    whole: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
+    place = [0] * p["Cameras"]
     before = {"writing_o": 0, "armed_o": 0}
 
     def watch(i: Inputs, out: Outputs) -> None:
@@ -103,9 +106,12 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
             seen.memory[out["wr_addr_o"]] = out["wr_data_o"]
         for c in range(p["Cameras"]):
             if i["frame_start_i"] >> c & 1:
-                frames[c] = []
+                frames[c], place[c] = {}, 0
             if i["word_valid_i"] >> c & 1:
-                frames[c].append(i["word_data_i"] >> c * p["GroupBits"] & (1 << p["GroupBits"]) - 1)
+                frames[c][place[c]] = i["word_data_i"] >> c * p["GroupBits"] & (1 << p["GroupBits"]) - 1
+                place[c] += 1
+                if i["word_last_i"] >> c & 1:
+                    place[c] = -(-place[c] // p["WordsPerRow"]) * p["WordsPerRow"]
             if i["frame_done_i"] >> c & 1:
                 whole[c] = frames[c]
             seen.aborted += i["frame_abort_i"] >> c & 1 and out["writing_o"] >> c & 1
@@ -116,7 +122,7 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
             for c in done:
                 slot = model.channels[c].slot
                 base = slot * p["SlotWords"]
-                stored = [seen.memory.get(base + k) for k in range(p["SlotWords"])]
+                stored = {k: seen.memory.get(base + k) for k in whole[c]}
                 if not i["cmd_valid_i"]:
                     assert stored == whole[c], f"slot {slot} does not hold camera {c}'s frame"
                     seen.captures += 1

@@ -36,6 +36,11 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
                 if address == fields()["peek_address.word"].address and rng.random() < 0.8:
                     data = 1 << 31 | rng.randrange(c.store_words)
                 master.write(address, data, 0xF if rng.random() < 0.8 else rng.getrandbits(4))
+                if address == fields()["peek_address.word"].address:
+                    # Once more at once: the address changes while its read is on its way.
+                    for _ in range(rng.randrange(3)):
+                        master.write(address, 1 << 31 | rng.randrange(c.store_words))
+                    master.read(fields()["peek_data.value"].address)
                 if address == fields()["image_size.width"].address:
                     master.write(fields()["filter.go"].address, fields()["filter.go"].mask)
             else:
