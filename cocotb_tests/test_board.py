@@ -3,7 +3,6 @@
 from sim.runner import simulate
 from sim.toolchain import rtl_sources
 
-
 PORTS = ("*_i", "*_o", "s_axil_*")
 
 
