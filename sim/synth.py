@@ -42,21 +42,26 @@ COSTS = {
 """What a cell takes of each resource."""
 
 
+def _seen(path: Path) -> str:
+    """`path` as the tools see it: they run in the project's root, and in a sandbox of their own that has another /tmp."""
+    return str(path.relative_to(ROOT))
+
+
 def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path) -> str:
     """Yosys commands: blocks are kept apart until they have been counted, then flattened into one netlist."""
-    read = ["read_slang", "-j", "1", "--best-effort-hierarchy", "-I", RTL, "--top", top,
+    read = ["read_slang", "-j", "1", "--best-effort-hierarchy", "-I", _seen(RTL), "--top", top,
             *(word for name in PRIMITIVES for word in ("--blackboxed-module", name)),
-            *(word for value in parameters for word in ("-G", value)), *ecp5_sources(config)]
+            *(word for value in parameters for word in ("-G", value)), *map(_seen, ecp5_sources(config))]
     kept = [f"{block}$*" for block in BLOCKS if block != top]
     return "\n".join([
-        " ".join(map(str, read)),
+        " ".join(read),
         f"setattr -mod -set keep_hierarchy 1 {' '.join(kept)}",
         f"synth_ecp5 -top {top}",
-        f"tee -q -o {folder / 'cells.json'} stat -json",
+        f"tee -q -o {_seen(folder / 'cells.json')} stat -json",
         "setattr -mod -unset keep_hierarchy *",
         "flatten",
         "clean",
-        f"write_json {folder / 'netlist.json'}", ""])
+        f"write_json {_seen(folder / 'netlist.json')}", ""])
 
 
 def resources(cells: Mapping[str, int]) -> dict[str, int]:
@@ -106,10 +111,11 @@ def critical_path(report: Mapping[str, Any]) -> list[str]:
 def _run(name: str, log: Path, *args: str | Path) -> None:
     tool = Path(sys.executable).parent / name
     with log.open("w") as out:
-        done = subprocess.run([str(tool), *map(str, args)], stdout=out, stderr=subprocess.STDOUT, check=False)
+        words = [_seen(a) if isinstance(a, Path) else a for a in args]
+        done = subprocess.run([str(tool), *words], cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, check=False)
     if done.returncode:
         tail = "\n".join(log.read_text().splitlines()[-15:])
-        raise SystemExit(f"{name} failed; {log} ends:\n{tail}")
+        raise SystemExit(f"{name} failed with status {done.returncode}; {log} ends:\n{tail}")
 
 
 def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
