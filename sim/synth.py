@@ -43,7 +43,7 @@ COSTS = {
 
 
 def _seen(path: Path) -> str:
-    """`path` as the tools see it: they run in the project's root, and in a sandbox of their own that has another /tmp."""
+    """`path` as the tools see it: they run in the project's root, in a sandbox that has its own /tmp."""
     return str(path.relative_to(ROOT))
 
 
