@@ -11,8 +11,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from golden import log
-from sw import cli, demo
+from sw import demo
 from sw.cli import app
+from sw.commands import mosaic, track
 from sw.scene import Camera, Pose, gravel
 from sw.sources import ArraySource, Frame
 from sw.tables import TRACK
@@ -123,7 +124,8 @@ def test_stopped_by_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
                     raise KeyboardInterrupt
                 yield frame
 
-    monkeypatch.setattr(cli, "open_source", lambda _: Stopped(_frames(6, 40)))
+    for module in (mosaic, track):
+        monkeypatch.setattr(module, "open_source", lambda _: Stopped(_frames(6, 40)))
     for command in ("mosaic", "track"):
         result = _run(command, "any", "--window", "48", "--out", tmp_path / command)
         assert "stopped" in _one_line(result, 130)

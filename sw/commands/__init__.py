@@ -1,0 +1,1 @@
+"""The commands of `signum`, one a file; each adds itself to `common.app`."""

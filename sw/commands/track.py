@@ -1,0 +1,72 @@
+"""`signum track`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import cv2
+import typer
+
+from sw.commands.common import (
+    BoardName,
+    BoardOption,
+    OutOption,
+    SigmaOption,
+    WindowOption,
+    app,
+    board_of,
+    clocks_line,
+    fit_to,
+    guarded,
+    notes,
+    out,
+    progress,
+)
+from sw.measure import Measurer
+from sw.panel import draw_tracks
+from sw.sources import Frame, open_source
+from sw.tables import TRACK, Table, track_row
+from sw.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
+
+
+@app.command()
+@guarded
+def track(
+    source: Annotated[str, typer.Argument(help="Video, folder of pictures, .npy array or camera number.",
+                                          show_default=False)],
+    output: OutOption = Path("out/track"),
+    sigma: SigmaOption = 2.5,
+    window: WindowOption = 64,
+    board: BoardOption = BoardName.golden,
+    features: Annotated[int, typer.Option("--features", min=1, max=200, help="Features to keep in view.")] = 30,
+) -> None:
+    """Track features against the image they were chosen in: `track.csv`, and `track.png`, the last frame with them.
+
+    Example: `signum track dive.mp4 --window 64 --out out/track`
+    """
+    frames = open_source(source)
+    points: list[TrackPoint] = []
+    measured = valid = done = 0
+    with board_of(board, window) as b, progress("tracking", frames.count) as tell:
+        output.mkdir(parents=True, exist_ok=True)
+        table = Table(output / "track.csv", TRACK)
+        tracker: Tracker | None = None
+        frame: Frame | None = None
+        try:
+            for frame in frames:
+                if tracker is None:
+                    fit = fit_to(frame, b, window, frames)
+                    settings = TrackSettings(window=window, features=features, precise_px=PRECISE_PX / max(fit.factor))
+                    tracker = Tracker(Measurer(b, fit.board, sigma), settings)
+                points = tracker.step(fit.show(frame.picture))
+                for point in points:
+                    table.write(track_row(frame.name, point, fit))
+                measured, valid, done = measured + len(points), valid + sum(p.valid for p in points), done + 1
+                tell(f"{sum(p.valid for p in points)} of {len(points)} valid")
+        finally:
+            table.close()
+            if frame is not None and points:
+                cv2.imwrite(str(output / "track.png"), draw_tracks(fit.show(frame.picture), points, window))
+        notes.print(clocks_line(b, done))
+    out.print(f"{output / 'track.csv'}: {done} frames, {measured} measurements, {valid} valid")
