@@ -2,50 +2,26 @@
 
 from __future__ import annotations
 
-import base64
-import html
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
-import cv2
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
 from matplotlib import pyplot as plt
-from matplotlib.figure import Figure
 
 from sw.demo import DT, FLOW_FRAMES, IMAGES, Flight
 from sw.flow import draw_flow
+from sw.page import Section, figure, plot, row, table, write_page
 from sw.panel import draw_tracks, stages
-from sw.sources import Picture
 from sw.station import Moment
 
 CLOCK_MHZ = 150, 205
 """Clocks of a real board for which times are given: the first aim and the next."""
 
-STYLE = """
-body{font:16px/1.5 system-ui,sans-serif;max-width:1060px;margin:2em auto;padding:0 1em;color:#1c2733;background:#fbfcfd}
-h1{margin-bottom:0}h2{margin-top:2em;border-bottom:1px solid #ccd6df}figure{margin:0}
-figcaption{font-size:.85em;color:#51606d;text-align:center}
-.row{display:flex;flex-wrap:wrap;gap:12px;align-items:flex-start;margin:1em 0}.row figure{flex:1 1 220px}
-img{width:100%;height:auto;display:block;image-rendering:auto}table{border-collapse:collapse;margin:1em 0}
-td,th{padding:.25em .9em;border-bottom:1px solid #dde5ec;text-align:right}
-td:first-child,th:first-child{text-align:left}
-.tall{max-width:360px}
-"""
-
 
 def write_report(flight: Flight, out: Path) -> Path:
     """Write `report.html` into `out`; returns its path."""
-    parts = [_summary(flight), _filter(flight), _flow(flight), _mosaic(flight), _station(flight), _cost(flight)]
-    page = (f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Signum: demonstration</title>'
-            f"<style>{STYLE}</style></head><body><h1>Signum: a simulated flight over gravel</h1>"
-            f"{''.join(parts)}</body></html>\n")
-    path = out / "report.html"
-    path.write_text(page, encoding="utf-8")
-    return path
+    sections = [_filter(flight), _flow(flight), _mosaic(flight), _station(flight), _cost(flight)]
+    return write_page(out / "report.html", "Signum: a simulated flight over gravel", sections, _summary(flight))
 
 
 def _summary(f: Flight) -> str:
@@ -63,50 +39,50 @@ def _summary(f: Flight) -> str:
     ]
     return (f"<p>Every sign bit and every score below came out of {board}; sigma {f.sigma:g} px, windows of "
             f"{f.window}x{f.window} px. The camera is simulated over a photograph, so the truth is known.</p>"
-            + _table(("measured", ""), rows))
+            + table(("measured", ""), rows))
 
 
-def _filter(f: Flight) -> str:
+def _filter(f: Flight) -> Section:
     assert f.stage is not None and f.snow is not None
-    shown = [_figure(p, name) for name, p in stages(f.stage[0], f.stage[1], f.sigma)]
+    shown = [figure(p, name) for name, p in stages(f.stage[0], f.stage[1], f.sigma)]
     names = ("original", "its signs", "contrast / 4, uneven light, snow", "its signs")
-    snow = [_figure(p, name) for p, name in zip(f.snow, names, strict=True)]
+    snow = [figure(p, name) for p, name in zip(f.snow, names, strict=True)]
     whole, inner = (100 * share for share in f.agreement)
-    return (f"<h2>The filter</h2><p>Image, smoothed, Laplacian (mid grey is 0), sign: only the last leaves the board "
-            f"(the paper's figure 3).</p>{_row(shown)}<p>Signs survive what water does to a picture (figure 8): "
+    return Section("The filter", f"<p>Image, smoothed, Laplacian (mid grey is 0), sign: only the last leaves the board "
+            f"(the paper's figure 3).</p>{row(shown)}<p>Signs survive what water does to a picture (figure 8): "
             f"{whole:.1f} % of all pixels keep theirs, {inner:.1f} % of the inner quarter, at sigma 1.5.</p>"
-            f"{_row(snow)}")
+            f"{row(snow)}")
 
 
-def _flow(f: Flight) -> str:
+def _flow(f: Flight) -> Section:
     assert f.flow is not None and f.first is not None and f.last is not None
     before, after, field, true = f.flow
-    flow = [_figure(before, "time t"), _figure(after, f"time t + {FLOW_FRAMES * DT:g} s"),
-            _figure(draw_flow(before, field), "flow, arrows twice as long")]
+    flow = [figure(before, "time t"), figure(after, f"time t + {FLOW_FRAMES * DT:g} s"),
+            figure(draw_flow(before, field), "flow, arrows twice as long")]
     dx, dy = field.dominant()
-    tracks = [_figure(draw_tracks(f.first, f.initial, f.window), "initial image"),
-              _figure(draw_tracks(f.last, f.points, f.window), "last image, red: out of view")]
-    return (f"<h2>Flow and tracking</h2><p>Between two frames (figure 6): the scene moved by ({true[0]:.2f}, "
+    tracks = [figure(draw_tracks(f.first, f.initial, f.window), "initial image"),
+              figure(draw_tracks(f.last, f.points, f.window), "last image, red: out of view")]
+    return Section("Flow and tracking", f"<p>Between two frames (figure 6): the scene moved by ({true[0]:.2f}, "
             f"{true[1]:.2f}) px; the median of {int(field.valid.sum())} valid windows says ({dx:.2f}, {dy:.2f}).</p>"
-            f"{_row(flow)}<p>Against the initial image (figure 7): nothing to drift. {f.tracked[1]} of {f.tracked[0]} "
+            f"{row(flow)}<p>Against the initial image (figure 7): nothing to drift. {f.tracked[1]} of {f.tracked[0]} "
             f"measurements of features in view valid, {_rms(f.errors):.3f} px RMS from the truth, at most "
-            f"{float(np.abs(f.errors).max()) if f.errors.size else 0:.2f} px.</p>{_row(tracks)}")
+            f"{float(np.abs(f.errors).max()) if f.errors.size else 0:.2f} px.</p>{row(tracks)}")
 
 
-def _mosaic(f: Flight) -> str:
+def _mosaic(f: Flight) -> Section:
     assert f.mosaic is not None
     errors = _mosaic_errors(f)
     fig, ax = plt.subplots(figsize=(5, 3))
     ax.plot(range(len(errors)), errors, "o-")
     ax.set_xticks(range(len(errors)))
     ax.set(xlabel="image", ylabel="error, px", ylim=(0, None), title="placed against true position")
-    return (f"<h2>Single-column mosaic</h2><p>The section at the top centre of the stored image is followed in the "
+    return Section("Single-column mosaic", f"<p>The section at the top centre of the stored image is followed in the "
             f"live image and servoed to the bottom centre; then the live image is stored (figure 14). {IMAGES} images, "
             f"{f.edges[1]} of {f.edges[0]} edges accepted.</p><div class='row'><div class='tall'>"
-            f"{_figure(f.mosaic, 'the mosaic')}</div>{_plot(fig, 'error grows with the chain, slowly')}</div>")
+            f"{figure(f.mosaic, 'the mosaic')}</div>{plot(fig, 'error grows with the chain, slowly')}</div>")
 
 
-def _station(f: Flight) -> str:
+def _station(f: Flight) -> Section:
     fig, axes = plt.subplots(2, 1, figsize=(9, 5), sharex=True)
     for axis, (ax, name) in enumerate(zip(axes, ("ahead", "right"), strict=True)):
         for moments, label, style in ((f.free, "drifting free", "--"), (f.held, "held, truth", "-")):
@@ -118,14 +94,14 @@ def _station(f: Flight) -> str:
     axes[0].legend(loc="upper right")
     axes[1].set_xlabel("s")
     lost = sum(not m.fix.confidence for m in f.held)
-    return (f"<h2>Station keeping</h2><p>Current, surge and gusts push the vehicle; every frame is measured against "
+    return Section("Station keeping", f"<p>Current, surge and gusts push the vehicle; every frame is measured against "
             f"the picture it had at the start (equations 2 to 5). {_rms_cm(f.held):.1f} cm RMS from the station after "
             f"the first 4 s, where the free vehicle was {100 * float(np.hypot(*f.free[-1].true)):.0f} cm away after "
             f"{f.free[-1].time:.0f} s. {lost} of {len(f.held)} frames without a fix.</p>"
-            f"<div class='row'>{_plot(fig, 'distance from the station')}</div>")
+            f"<div class='row'>{plot(fig, 'distance from the station')}</div>")
 
 
-def _cost(f: Flight) -> str:
+def _cost(f: Flight) -> Section:
     counted = "counted" if f.board == "verilated" else "estimated"
     rows = []
     for p in f.phases:
@@ -136,8 +112,8 @@ def _cost(f: Flight) -> str:
     heads = ("", "frames", f"clocks ({counted})", *(f"a frame at {mhz} MHz" for mhz in CLOCK_MHZ), "this run took")
     rows.append(("all", str(sum(p.frames for p in f.phases)), f"{clocks / 1e6:.2f} M",
                  *("" for _ in CLOCK_MHZ), f"{seconds:.1f} s"))
-    return (f"<h2>What it cost</h2><p>A real board does in milliseconds what this run took seconds for: a frame's "
-            f"filter and all its correlations.</p>{_table(heads, rows)}")
+    return Section("What it cost", f"<p>A real board does in milliseconds what this run took seconds for: a frame's "
+            f"filter and all its correlations.</p>{table(heads, rows)}")
 
 
 def _mosaic_errors(f: Flight) -> list[float]:
@@ -164,32 +140,3 @@ def _rms_cm(moments: Sequence[Moment]) -> float:
 def _fix_error_cm(moments: Sequence[Moment]) -> float:
     """RMS error of the fixes along one axis, cm."""
     return 100 * _rms(np.array([(m.fix.x - m.true[0], m.fix.y - m.true[1]) for m in moments if m.fix.confidence]))
-
-
-def _figure(picture: Picture, caption: str) -> str:
-    _, data = cv2.imencode(".png", picture)
-    return _image(data.tobytes(), caption)
-
-
-def _plot(fig: Figure, caption: str) -> str:
-    buffer = io.BytesIO()
-    fig.tight_layout()
-    fig.savefig(buffer, format="png", dpi=110)
-    plt.close(fig)
-    return _image(buffer.getvalue(), caption)
-
-
-def _image(png: bytes, caption: str) -> str:
-    text = html.escape(caption)
-    return (f'<figure><img alt="{text}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
-            f"<figcaption>{text}</figcaption></figure>")
-
-
-def _row(figures: Sequence[str]) -> str:
-    return f"<div class='row'>{''.join(figures)}</div>"
-
-
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f"<th>{html.escape(h)}</th>" for h in heads)
-    body = "".join("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in rows)
-    return f"<table><tr>{head}</tr>{body}</table>"
