@@ -3,6 +3,7 @@ SHELL      := /bin/sh
 PYTHON     ?= python3
 CONFIG     ?= full
 JOBS       ?= 2
+BOARD      ?= golden
 VENV       := .venv
 PY         := $(VENV)/bin/python
 PIP        := $(PY) -m pip --disable-pip-version-check --quiet
@@ -10,7 +11,7 @@ PIP        := $(PY) -m pip --disable-pip-version-check --quiet
 
 .PHONY: help
 help: ## This list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(VENV)/.installed: requirements.lock pyproject.toml
 	@sim/prerequisites.sh $(PYTHON)
@@ -31,6 +32,10 @@ setup: $(VENV)/.installed ## Virtual environment with pinned packages, Verilated
 .PHONY: demo
 demo: setup ## Simulated flight through the Verilated board: out/demo/report.html
 	@$(VENV)/bin/signum demo --out out/demo
+
+.PHONY: reproduce
+reproduce: setup ## Every figure and table of the paper on one page: out/reproduce/index.html (BOARD=golden|verilated)
+	@$(PY) -m sw.reproduce --board $(BOARD) --out out/reproduce
 
 .PHONY: test
 test: setup ## Every test, on two cores (JOBS=n for others)
