@@ -35,6 +35,11 @@ class StereoGeometry:
     centre: tuple[float, float]
     shift: float = 0.0
 
+    def shrunk(self, factor: tuple[float, float]) -> StereoGeometry:
+        """The geometry of the pair scaled down by `factor` across and down; pixels are those of the smaller pair."""
+        centre = ((self.centre[0] + 0.5) / factor[0] - 0.5, (self.centre[1] + 0.5) / factor[1] - 0.5)
+        return StereoGeometry(self.focal / factor[0], self.baseline, centre, self.shift / factor[0])
+
     def depth(self, disparity: Matrix) -> Matrix:
         """Metres along the optical axis of disparities in pixels, any shape; NaN where there is none that is
         positive."""

@@ -194,7 +194,7 @@ def _track(flight: Flight, board: Board, camera: Camera, out: Path, step: Callab
     centre = (np.array(SIZE) - 1) / 2
     true = _seen(camera, poses[early], poses[late], centre) - centre
     window = min(flight.window, 48)
-    field_ = measure_flow(measurer, *views, window=(window, window), step=32)
+    field_ = measure_flow(measurer, *views, window=(window, window), step=32, support=1)
     flight.flow = pictures[early], pictures[late], field_, (float(true[0]), float(true[1]))
 
 

@@ -45,6 +45,7 @@ class FlowField:
 def measure_flow(
     measurer: Measurer, before: View, after: View, window: tuple[int, int] = (64, 64), step: int = 32,
     reach: tuple[int, int] = (16, 16), guess: tuple[float, float] = (0.0, 0.0), rules: Rules | None = None,
+    support: int = 0,
 ) -> FlowField:
     """Measure the flow between two views.
 
@@ -56,6 +57,8 @@ def measure_flow(
         reach: largest displacement searched for about `guess`, across and down, pixels.
         guess: expected displacement, pixels.
         rules: what makes a measurement valid; the measurer's own where None.
+        support: how many of a window's eight neighbours must agree with it for it to be valid. With 1 a lone false
+            match goes, and so does a thing that moves by itself and fills a single window.
 
     Raises:
         ValueError: if no window fits the picture.
@@ -72,9 +75,24 @@ def measure_flow(
     def grid(values: list[float]) -> Float:
         return np.array(values).reshape(shape)
 
-    return FlowField(x.astype(np.float64), y.astype(np.float64),
-                     grid([m.dx_px if m.valid else np.nan for m in found]),
-                     grid([m.dy_px if m.valid else np.nan for m in found]), grid([m.score for m in found]))
+    dx, dy = (grid([v if m.valid else np.nan for m, v in zip(found, values, strict=True)])
+              for values in ([m.dx_px for m in found], [m.dy_px for m in found]))
+    lonely = _agreeing(dx, dy) < support
+    dx[lonely], dy[lonely] = np.nan, np.nan
+    return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, grid([m.score for m in found]))
+
+
+def _agreeing(dx: Float, dy: Float) -> NDArray[np.int64]:
+    """How many of the eight neighbours of each window agree with it: within a pixel and a quarter of its motion."""
+    motion = np.pad(dx + 1j * dy, 1, constant_values=complex(np.nan, np.nan))
+    here = motion[1:-1, 1:-1]
+    height, width = here.shape
+    count = np.zeros(here.shape, np.int64)
+    for j in range(3):
+        for i in range(3):
+            if (i, j) != (1, 1):
+                count += np.abs(motion[j:j + height, i:i + width] - here) <= 1.0 + 0.25 * np.abs(here)
+    return count
 
 
 def draw_flow(frame: Picture, field: FlowField, magnify: float = 2.0) -> Picture:

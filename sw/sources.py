@@ -1,4 +1,5 @@
-"""Where frames come from: a folder of pictures, one picture, a video, a camera, an array in memory.
+"""Where frames come from: a folder of pictures, one picture, a video, a ROS bag, a camera, an array in memory, the
+simulated world; lens distortion is taken out where a calibration is at hand.
 
 A frame's name is its file's name without the ending for pictures, the index from 0 for everything else; it is what
 the tables call `frame`. All frames of a source have one size. A frame that cannot be used raises SourceError when its
@@ -20,6 +21,7 @@ from PIL import Image as PilImage
 from PIL import UnidentifiedImageError
 
 from golden.params import Config
+from sw.calibration import CalibrationError, read_mono
 from sw.errors import SourceError
 
 Picture = NDArray[np.uint8]
@@ -27,7 +29,9 @@ Picture = NDArray[np.uint8]
 
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"})
 VIDEOS = frozenset({".mp4", ".avi", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".webm", ".ts", ".wmv"})
+BAGS = frozenset({".bag", ".mcap", ".db3"})
 CAMERA = re.compile(r"(?:camera:)?(\d{1,2})$")
+WORLD = re.compile(r"world(?::|$)")
 
 # OpenCV's own chatter about odd TIFF tags would bury our one line.
 PilImage.MAX_IMAGE_PIXELS = None
@@ -212,12 +216,50 @@ class ArraySource(Source):
             yield Frame(str(index), np.ascontiguousarray(self.pictures[index]))
 
 
-def open_source(text: str | Path) -> Source:
-    """The source a user names: a folder, a picture, a video, a .npy array, or a camera's number (`0` or `camera:0`).
+class UndistortedSource(Source):
+    """Frames of another source as a camera without lens distortion, of the same size and focal length, sees them."""
+
+    def __init__(self, source: Source, calibration: Path) -> None:
+        super().__init__(source.label, source.count)
+        self.source, self.snapshots, self.calibration = source, source.snapshots, calibration
+        self._matrix, self._distortion, self._size = read_mono(calibration)
+
+    def _frames(self) -> Iterator[Frame]:
+        maps = cv2.initUndistortRectifyMap(self._matrix, self._distortion, np.eye(3), self._matrix, self._size,
+                                           cv2.CV_32FC1)
+        for frame in self.source:
+            if frame.size != self._size:
+                raise CalibrationError(f"{self.calibration}: is for {_by(self._size)}, frame {frame.name} is "
+                                       f"{_by(frame.size)}: use the calibration of this camera at this size")
+            yield Frame(frame.name, np.asarray(cv2.remap(frame.picture, *maps, cv2.INTER_LINEAR), np.uint8))
+
+
+def open_source(text: str | Path, calibration: Path | None = None) -> Source:
+    """The source a user names: a folder, a picture, a video, a .npy array, a ROS bag (`dive.bag`, `dive.mcap`, a bag's
+    folder, with `#topic` behind it if it has several), `world` (simulated) or a camera's number (`0` or `camera:0`).
+
+    Args:
+        text: the name.
+        calibration: OpenCV YAML of the camera, whose distortion is taken out; None for none.
 
     Raises:
         SourceError: if there is no such thing, or it is plainly unusable.
+        CalibrationError: if the calibration is.
     """
+    source = _open(text)
+    return source if calibration is None else UndistortedSource(source, calibration)
+
+
+def _open(text: str | Path) -> Source:
+    file, _, topic = str(text).partition("#")
+    if _is_bag(Path(file)):
+        from sw.bags import BagSource  # imports this module, and takes a while itself
+
+        return BagSource(Path(file), topic or None)
+    if WORLD.match(str(text)) and not Path(text).exists():
+        from sw.world_source import WorldSource  # imports this module
+
+        return WorldSource.named(str(text))
     path = Path(text)
     if path.is_dir():
         return FolderSource(path)
@@ -234,6 +276,11 @@ def open_source(text: str | Path) -> Source:
     if kind == ".npy":
         return ArraySource.load(path)
     return VideoSource(path)
+
+
+def _is_bag(path: Path) -> bool:
+    """Whether a path is a ROS bag: by its ending, or a ROS 2 bag's folder."""
+    return (path.is_file() and path.suffix.lower() in BAGS) or (path / "metadata.yaml").is_file()
 
 
 def read_picture(file: Path) -> Picture:

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from sw.calibration import StereoGeometry
 from sw.measure import Measurement, Measurer, Query, Rules, View
+from sw.sources import Fit, Picture
 
 Float = NDArray[np.float64]
-Picture = NDArray[np.uint8]
 SCALE_WIDTH = 64
 """Pixels of the colour scale beside a drawn map."""
 
@@ -48,6 +48,12 @@ class RangeMap:
     def valid(self) -> NDArray[np.bool_]:
         """(ny, nx): which measurements are valid."""
         return np.isfinite(self.disparity)
+
+    def to_source(self, fit: Fit) -> RangeMap:
+        """The same in original pixels, for a pair the board saw scaled down by `fit`."""
+        xs, ys = np.stack([self.x, self.x], axis=1), np.stack([self.y, self.y], axis=1)
+        return RangeMap(fit.to_source(xs)[:, 0], fit.to_source(ys)[:, 1], self.disparity * fit.factor[0], self.score,
+                        self.margin)
 
     def points(self, geometry: StereoGeometry) -> Float:
         """Valid points (n, 3), metres, right, down and forward of the left camera."""

@@ -125,7 +125,7 @@ def test_stopped_by_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
                 yield frame
 
     for module in (mosaic, track):
-        monkeypatch.setattr(module, "open_source", lambda _: Stopped(_frames(6, 40)))
+        monkeypatch.setattr(module, "open_source", lambda *_: Stopped(_frames(6, 40)))
     for command in ("mosaic", "track"):
         result = _run(command, "any", "--window", "48", "--out", tmp_path / command)
         assert "stopped" in _one_line(result, 130)

@@ -41,6 +41,9 @@ SigmaOption = Annotated[float, typer.Option("--sigma", min=MIN_SIGMA, max=MAX_SI
                                             help="Width of the LoG's Gaussian, pixels of the board's picture.")]
 WindowOption = Annotated[int, typer.Option("--window", min=8, max=128,
                                            help="Side of the correlation windows, pixels of the board's picture.")]
+CalibrationOption = Annotated[Path | None, typer.Option(
+    "--calibration", help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, image_width, "
+    "image_height): distortion is taken out of every frame.")]
 OutOption = Annotated[Path, typer.Option("--out", help="Folder for what is written; made if missing.")]
 
 
@@ -94,6 +97,13 @@ def fit_to(frame: Frame, board: BoardBase, window: int, source: Source) -> Fit:
     if fit.scaled:
         notes.print(fit.note())
     return fit
+
+
+def write_report(folder: Path) -> None:
+    """`report.html` of a folder."""
+    from sw.reports import write_report as write  # plots take seconds to load
+
+    write(folder)
 
 
 def clocks_line(board: BoardBase, frames: int) -> str:

@@ -11,6 +11,7 @@ import typer
 from sw.commands.common import (
     BoardName,
     BoardOption,
+    CalibrationOption,
     OutOption,
     SigmaOption,
     WindowOption,
@@ -22,35 +23,42 @@ from sw.commands.common import (
     notes,
     out,
     progress,
+    write_report,
 )
 from sw.measure import Measurer
 from sw.panel import draw_tracks
 from sw.sources import Frame, open_source
-from sw.tables import TRACK, Table, track_row
+from sw.tables import DRIFT, TRACK, Table, drift_row, track_row
 from sw.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
+
+KEPT = 5
+"""Frames for which a lost feature still has rows, marked as not valid."""
 
 
 @app.command()
 @guarded
 def track(
-    source: Annotated[str, typer.Argument(help="Video, folder of pictures, .npy array or camera number.",
+    source: Annotated[str, typer.Argument(help="Video, folder of pictures, ROS bag, .npy array or camera number.",
                                           show_default=False)],
     output: OutOption = Path("out/track"),
     sigma: SigmaOption = 2.5,
     window: WindowOption = 64,
     board: BoardOption = BoardName.golden,
+    calibration: CalibrationOption = None,
     features: Annotated[int, typer.Option("--features", min=1, max=200, help="Features to keep in view.")] = 30,
 ) -> None:
-    """Track features against the image they were chosen in: `track.csv`, and `track.png`, the last frame with them.
+    """Track features against the image they were chosen in: `track.csv`, `drift.csv` (what is known of the error, frame
+    by frame), `track.png` (the last frame with them), `report.html`.
 
     Example: `signum track dive.mp4 --window 64 --out out/track`
     """
-    frames = open_source(source)
+    frames = open_source(source, calibration)
+    missing: dict[int, int] = {}
     points: list[TrackPoint] = []
     measured = valid = done = 0
     with board_of(board, window) as b, progress("tracking", frames.count) as tell:
         output.mkdir(parents=True, exist_ok=True)
-        table = Table(output / "track.csv", TRACK)
+        table, drift = Table(output / "track.csv", TRACK), Table(output / "drift.csv", DRIFT)
         tracker: Tracker | None = None
         frame: Frame | None = None
         try:
@@ -59,14 +67,26 @@ def track(
                     fit = fit_to(frame, b, window, frames)
                     settings = TrackSettings(window=window, features=features, precise_px=PRECISE_PX / max(fit.factor))
                     tracker = Tracker(Measurer(b, fit.board, sigma), settings)
-                points = tracker.step(fit.show(frame.picture))
+                points = _shown(tracker.step(fit.show(frame.picture)), missing)
                 for point in points:
                     table.write(track_row(frame.name, point, fit))
+                drift.write(drift_row(frame.name, points, fit))
                 measured, valid, done = measured + len(points), valid + sum(p.valid for p in points), done + 1
                 tell(f"{sum(p.valid for p in points)} of {len(points)} valid")
         finally:
             table.close()
+            drift.close()
             if frame is not None and points:
                 cv2.imwrite(str(output / "track.png"), draw_tracks(fit.show(frame.picture), points, window))
+            if done:
+                write_report(output)
         notes.print(clocks_line(b, done))
     out.print(f"{output / 'track.csv'}: {done} frames, {measured} measurements, {valid} valid")
+
+
+def _shown(points: list[TrackPoint], missing: dict[int, int]) -> list[TrackPoint]:
+    """The points without those lost for more than `KEPT` frames, which the tracker still looks for; `missing` counts
+    the frames since each was valid."""
+    for p in points:
+        missing[p.feature] = 0 if p.valid else missing.get(p.feature, 0) + 1
+    return [p for p in points if missing[p.feature] <= KEPT]
