@@ -43,9 +43,15 @@ module slog_fir #(
   endfunction
 
   logic [Latency-2:0] valid_q;  // [k]: stage k + 1 holds something
+  logic               mult_q;   // the multipliers or their operands hold something
   always_ff @(posedge clk_i) begin
-    if (rst_i) valid_q <= '0;
-    else valid_q <= {valid_q[Latency-3:0], valid_i};
+    if (rst_i) begin
+      valid_q <= '0;
+      mult_q  <= 1'b0;
+    end else begin
+      valid_q <= {valid_q[Latency-3:0], valid_i};
+      mult_q  <= valid_i || valid_q[1:0] != '0;
+    end
   end
 
   for (genvar i = 0; i < Taps; i++) begin : g_window
@@ -78,7 +84,7 @@ module slog_fir #(
       assign term = product[SumW-1:0];
       slog_mult u_mult (
           .clk_i,
-          .en_i(valid_q[2:0]),
+          .en_i(mult_q),
           .a_i (g_fold[d].fold_q),
           .b_i (coef_i[k][d]),
           .p_o (product)

@@ -3,7 +3,7 @@
 // Latency, throughput, formats: those of ../slog_mult.sv.
 module slog_mult (
     input  logic               clk_i,
-    input  logic        [ 2:0] en_i,
+    input  logic               en_i,
     input  logic signed [17:0] a_i,
     input  logic signed [17:0] b_i,
     output logic signed [35:0] p_o
@@ -11,12 +11,12 @@ module slog_mult (
   MULT18X18D #(
       .REG_INPUTA_CLK("CLK0"), .REG_INPUTA_CE("CE0"), .REG_INPUTA_RST("RST0"),
       .REG_INPUTB_CLK("CLK0"), .REG_INPUTB_CE("CE0"), .REG_INPUTB_RST("RST0"),
-      .REG_PIPELINE_CLK("CLK0"), .REG_PIPELINE_CE("CE1"), .REG_PIPELINE_RST("RST0"),
-      .REG_OUTPUT_CLK("CLK0"), .REG_OUTPUT_CE("CE2"), .REG_OUTPUT_RST("RST0"),
+      .REG_PIPELINE_CLK("CLK0"), .REG_PIPELINE_CE("CE0"), .REG_PIPELINE_RST("RST0"),
+      .REG_OUTPUT_CLK("CLK0"), .REG_OUTPUT_CE("CE0"), .REG_OUTPUT_RST("RST0"),
       .GSR("DISABLED"), .RESETMODE("SYNC")
   ) u_mult (
       .CLK0(clk_i), .CLK1(1'b0), .CLK2(1'b0), .CLK3(1'b0),
-      .CE0(en_i[0]), .CE1(en_i[1]), .CE2(en_i[2]), .CE3(1'b0),
+      .CE0(en_i), .CE1(1'b0), .CE2(1'b0), .CE3(1'b0),
       .RST0(1'b0), .RST1(1'b0), .RST2(1'b0), .RST3(1'b0),
       .SIGNEDA(1'b1), .SIGNEDB(1'b1), .SOURCEA(1'b0), .SOURCEB(1'b0),
       .A0(a_i[0]), .A1(a_i[1]), .A2(a_i[2]), .A3(a_i[3]), .A4(a_i[4]), .A5(a_i[5]),
