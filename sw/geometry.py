@@ -10,6 +10,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,6 +60,24 @@ class Similarity:
 
 
 IDENTITY = Similarity()
+
+
+def corners(size: tuple[int, int]) -> Points:
+    """Centres of the corner pixels of a picture (width, height), (4, 2), going round."""
+    right, bottom = size[0] - 1, size[1] - 1
+    return np.array([[0, 0], [right, 0], [right, bottom], [0, bottom]], np.float64)
+
+
+def overlap(similarity: Similarity, size: tuple[int, int]) -> float:
+    """Share of a picture b that also shows picture a, 0..1.
+
+    Args:
+        similarity: pixels of a -> pixels of b.
+        size: width and height of both, pixels.
+    """
+    frame = corners(size)
+    area, _ = cv2.intersectConvexConvex(similarity(frame).astype(np.float32), frame.astype(np.float32))
+    return float(area) / ((size[0] - 1) * (size[1] - 1))
 
 
 @dataclass(frozen=True)

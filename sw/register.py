@@ -30,6 +30,8 @@ COARSE_LEAST = 64
 COARSE_WINDOW = 32
 COARSE_SIGMA = 1.25
 COARSE_GRID = (7, 6)
+COARSE_REACH = 20
+"""Pixels of the coarse picture searched where the first ballot told about where to look."""
 ANYTHING = Rules(min_score=0.0, min_margin=-1.0, backward=False, texture=False)
 """Rules of the coarse search: every window has a vote."""
 
@@ -77,6 +79,9 @@ class Registration:
         accepted: whether to believe it.
         reason: why not, one phrase.
         turning: whether rotation and zoom were measured, not only the shift.
+        middle: centroid of the agreeing windows, original pixels of a; the picture's centre where there are none.
+        spread_px: their root-mean-square distance from it, original pixels.
+        rms_px: of their distances from where the similarity puts them, original pixels.
     """
 
     similarity: Similarity
@@ -88,6 +93,9 @@ class Registration:
     accepted: bool = False
     reason: str = ""
     turning: bool = False
+    middle: tuple[float, float] = (0.0, 0.0)
+    spread_px: float = 0.0
+    rms_px: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -146,12 +154,20 @@ class Registrar:
             guess: original pixels of a -> of b, where something is known; None searches everywhere.
             reach: pixels of the board searched around the guess.
         """
-        if guess is None:
-            guess = self._coarsely(a, b)
-            if guess is None:
-                return self._refused(IDENTITY, "no two windows agree")
-            reach = self.limits.reach
-        result = self._finely(a, b, guess, reach or self.limits.reach)
+        if guess is not None:
+            return self._around(a, b, guess, reach or self.limits.reach)
+        guesses = self._coarsely(a, b)
+        result = self._refused(IDENTITY, "no two windows agree")
+        for guess in guesses:
+            found = self._around(a, b, guess, self.limits.reach)
+            if found.accepted:
+                return found
+            result = found if found.agreed >= result.agreed else result
+        return result
+
+    def _around(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
+        """The fine step about a guess, and about what it leads to."""
+        result = self._finely(a, b, guess, reach)
         if not result.accepted and result.agreed >= 3:  # a better guess of the rotation may let the others match too
             again = self._finely(a, b, result.similarity, self.limits.reach)
             result = again if again.agreed > result.agreed else result
@@ -171,31 +187,48 @@ class Registrar:
         centre = complex(*self.centre)
         return Similarity(like.factor, centre - like.factor * centre)
 
-    def _coarsely(self, a: Prepared, b: Prepared) -> Similarity | None:
-        """The most voted similarity, original pixels; a is turned where the straight picture convinces few windows."""
+    def _coarsely(self, a: Prepared, b: Prepared) -> list[Similarity]:
+        """Guesses, original pixels, the better first: what most windows vote for with a straight or turned by one of
+        `turns_deg`; and what they vote for when a is turned and zoomed by that, so that more of them match."""
         self._measurer = self._reference = None
         measurer = self._make(self.coarse.board, COARSE_SIGMA)
-        side = [min(COARSE_WINDOW, n // 2) for n in self.coarse.board]
         live = measurer.view(b.coarse)
+        best, most = IDENTITY, 1
+        for rot in self.limits.turns_deg:
+            found, votes = self._ballot(measurer, a, live, self._turn(Similarity.of(rot)))
+            if votes > most:
+                best, most = found, votes
+            if most >= self.limits.convinced:
+                return [best]
+        if most < 2:
+            return []
+        turn = self._turn(best)
+        found, votes = self._ballot(measurer, a, live, turn, best @ turn.inverse)
+        return [best, found] if votes > most else [best]
+
+    def _ballot(self, measurer: Measurer, a: Prepared, live: View, turn: Similarity,
+                onward: Similarity | None = None) -> tuple[Similarity, int]:
+        """What most windows of a, turned, vote for, and how many; searched everywhere, or about where `onward` takes
+        them."""
+        side = [min(COARSE_WINDOW, n // 2) for n in self.coarse.board]
         tolerance = self.limits.coarse_miss * max(self.coarse.factor)
         apart = 0.5 * min(side) * max(self.coarse.factor)
-        best, most = None, 1
-        for rot in self.limits.turns_deg:
-            turn = self._turn(Similarity.of(rot))
-            view = measurer.view(_warp(a.coarse, self.coarse, turn))
-            centres = [c for c in _grid(side, self.coarse.board, COARSE_GRID) if self._seen(self.coarse, turn, c, side)]
-            answers = measurer.measure([Query(view, live, x, y, side[0], side[1], reach=self.coarse.board)
-                                        for x, y in centres], ANYTHING)
-            measurer.release(view)
-            at = np.array(centres, np.float64)
-            p = self.coarse.to_source(at)
-            q = self.coarse.to_source(at + [[m.dx_px, m.dy_px] for m in answers])
-            found, agree = vote(p, q, tolerance, self.limits.rot_deg, self.limits.zoom, apart)
-            if agree.sum() > most:
-                best, most = fit(p, q, found, tolerance).similarity @ turn, int(agree.sum())
-            if most >= self.limits.convinced:
-                break
-        return best
+        centres = [c for c in _grid(side, self.coarse.board, COARSE_GRID) if self._seen(self.coarse, turn, c, side)]
+        at = np.array(centres, np.float64).reshape(-1, 2)
+        ahead, reach = np.zeros_like(at), self.coarse.board
+        if onward is not None:
+            ahead, reach = self.coarse.to_board(onward(self.coarse.to_source(at))) - at, (COARSE_REACH, COARSE_REACH)
+        view = measurer.view(_warp(a.coarse, self.coarse, turn))
+        answers = measurer.measure([Query(view, live, x, y, side[0], side[1], (float(d[0]), float(d[1])), reach)
+                                    for (x, y), d in zip(centres, ahead, strict=True)], ANYTHING)
+        measurer.release(view)
+        met = [i for i, m in enumerate(answers) if m.reason is not Reason.OUTSIDE]
+        if len(met) < 2:
+            return turn, 0
+        p = self.coarse.to_source(at[met])
+        q = self.coarse.to_source(at[met] + [[answers[i].dx_px, answers[i].dy_px] for i in met])
+        found, agree = vote(p, q, tolerance, self.limits.rot_deg, self.limits.zoom, apart)
+        return fit(p, q, found, tolerance).similarity @ turn, int(agree.sum())
 
     def _seen(self, level: Fit, turn: Similarity, centre: tuple[int, int], side: Sequence[int]) -> bool:
         """Whether the whole window at `centre` of a picture turned by `turn` shows only the picture."""
@@ -239,10 +272,13 @@ class Registrar:
         if agreed < self.limits.windows or agreed < self.limits.share * tried:
             reason = f"only {agreed} of {tried} windows agree"
         similarity = result.similarity @ turn
+        back = turn.inverse(p[result.agree]) if agreed else self.centre[None, :]
+        middle = back.mean(axis=0)
         return Registration(similarity, self._shift(similarity),
                             float(np.median([m.score for m in agreeing])) if agreeing else 0.0,
                             float(np.median([m.margin for m in agreeing])) if agreeing else 0.0,
-                            agreed, tried, not reason, reason, result.turning)
+                            agreed, tried, not reason, reason, result.turning, (float(middle[0]), float(middle[1])),
+                            float(np.sqrt(((back - middle) ** 2).sum(axis=1).mean())), result.rms_px)
 
     def _overlap(self, guess: Similarity, turn: Similarity) -> tuple[int, list[tuple[int, int]]]:
         """The largest window side, from the chosen one downwards, of which enough fit the overlap; their centres."""
