@@ -20,7 +20,7 @@ def work(rng: random.Random, bubbles: str, rounds: int, passes: int) -> tuple[Wi
 
 
 def model() -> OperandArrayModel:
-    return OperandArrayModel(params()["GroupBits"], params()["RingRows"])
+    return OperandArrayModel(params()["GroupBits"], params()["RingRows"], bool(params()["HoldIdle"]))
 
 
 @cocotb.test()

@@ -17,9 +17,9 @@ def test_array(group_bits: int, lanes: int) -> None:
     simulate("slog_array", [*PACKAGES, *ARRAY], "cocotb_tests.tb_array", {"GroupBits": group_bits, "Lanes": lanes})
 
 
-@pytest.mark.parametrize(("group_bits", "ring_rows", "words"), [
-    (TINY.group_bits, TINY.ring_rows, TINY.words_per_row), (16, 64, 4)])
-def test_operand_array(group_bits: int, ring_rows: int, words: int) -> None:
+@pytest.mark.parametrize(("group_bits", "ring_rows", "words", "hold_idle"), [
+    (TINY.group_bits, TINY.ring_rows, TINY.words_per_row, 1), (16, 64, 4, 0)])
+def test_operand_array(group_bits: int, ring_rows: int, words: int, hold_idle: int) -> None:
     simulate("tb_operand_array", [*PACKAGES, *OPERANDS, *ARRAY, "sim/tb/tb_operand_array.sv"],
              "cocotb_tests.tb_operand_array",
-             {"GroupBits": group_bits, "RingRows": ring_rows, "WordsPerRow": words})
+             {"GroupBits": group_bits, "RingRows": ring_rows, "WordsPerRow": words, "HoldIdle": hold_idle})

@@ -23,7 +23,7 @@ class CorrelatorModel:
         self.fetch = FetchModel(config)
         self.sequencer = SequencerModel(config.group_bits, config.pitch, config.ring_rows,
                                         drain_clocks(config.group_bits, config.lanes))
-        self.array = OperandArrayModel(config.group_bits, config.ring_rows)
+        self.array = OperandArrayModel(config.group_bits, config.ring_rows, hold_idle=False)
         self.peak = PeakModel(config.max_width, score_depth or config.surface_depth, config.result_depth)
         # What the memories hold at power-up reaches no score: any value does.
         rows, words = range(config.ring_rows), range(config.words_per_row + 3)

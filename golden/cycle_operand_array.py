@@ -12,8 +12,8 @@ class OperandArrayModel:
     INPUTS = (*OperandsModel.INPUTS, "mask_i")
     OUTPUTS = (*OperandsModel.OUTPUTS, *ArrayModel.OUTPUTS)
 
-    def __init__(self, group_bits: int, ring_rows: int) -> None:
-        self.operands = OperandsModel(group_bits, ring_rows)
+    def __init__(self, group_bits: int, ring_rows: int, hold_idle: bool = True) -> None:
+        self.operands = OperandsModel(group_bits, ring_rows, hold_idle)
         self.array = ArrayModel(group_bits, group_bits // 2 + 1)
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:

@@ -137,11 +137,19 @@ module slog_correlator
       .busy_o        (sequencer_busy)
   );
 
+  // An array that stands still while it is idle saves the simulator work; in hardware it would cost a clock enable on
+  // every one of its registers.
+`ifdef SLOG_CLOCK_GATE
+  localparam bit HoldIdle = 1'b1;
+`else
+  localparam bit HoldIdle = 1'b0;
+`endif
   slog_operands #(
       .GroupBits(GroupBits),
       .Lanes(Lanes),
       .RingRows(RingRows),
-      .WordsPerRow(WordsPerRow)
+      .WordsPerRow(WordsPerRow),
+      .HoldIdle(HoldIdle)
   ) u_operands (
       .clk_i,
       .rst_i,

@@ -6,15 +6,17 @@
 // bits that have yet to slip in riding along in ahead_q.
 //
 // Stage  registers                valid at lane k after the operands' clock
-//   1    tpl_q search_q ahead_q   1 + k
+//   1    tpl_q search_q ahead_q   1 + k, and mask_q[k / 4], the mask's copy for four lanes
 //   2    x_q                      2 + k
 //
 // Throughput : one operand row per clock. Everything holds while move_i is low.
-// Borders    : mask_i is static while operands are in flight; a cleared bit never counts.
+// Borders    : mask_i is static while operands are in flight; a cleared bit never counts. It hops four lanes a clock, so
+//              that no bit of it has to reach across the array, and so is ahead of the operands it comes with.
 module slog_lanes #(
     parameter  int unsigned GroupBits  = 8,
     parameter  int unsigned Lanes      = 5,
-    localparam int unsigned SearchBits = GroupBits + Lanes - 1
+    localparam int unsigned SearchBits = GroupBits + Lanes - 1,
+    localparam int unsigned MaskHops   = (Lanes + 3) / 4
 ) (
     input  logic                  clk_i,
     input  logic                  move_i,
@@ -25,6 +27,7 @@ module slog_lanes #(
 );
   logic [GroupBits-1:0] tpl_q[Lanes], search_q[Lanes], x_q[Lanes];
   logic [Lanes-2:0] ahead_q[Lanes];
+  logic [GroupBits-1:0] mask_q[MaskHops];
 
   always_ff @(posedge clk_i) begin
     if (move_i) begin
@@ -32,6 +35,9 @@ module slog_lanes #(
       static logic [GroupBits-1:0] search[Lanes];
       static logic [GroupBits-1:0] x[Lanes];
       static logic [Lanes-2:0] ahead[Lanes];
+      static logic [GroupBits-1:0] mask[MaskHops];
+      mask[0] = mask_i;
+      for (int unsigned h = 1; h < MaskHops; h++) mask[h] = mask_q[h-1];
       tpl[0]    = tpl_i;
       search[0] = search_i[GroupBits-1:0];
       ahead[0]  = search_i[SearchBits-1:GroupBits];
@@ -42,10 +48,11 @@ module slog_lanes #(
         ahead[k]  = ahead_q[k-1] >> 1;
       end
       /* verilator unroll_disable */
-      for (int unsigned k = 0; k < Lanes; k++) x[k] = (tpl_q[k] ^ search_q[k]) & mask_i;
+      for (int unsigned k = 0; k < Lanes; k++) x[k] = (tpl_q[k] ^ search_q[k]) & mask_q[k/4];
       tpl_q    <= tpl;
       search_q <= search;
       ahead_q  <= ahead;
+      mask_q   <= mask;
       x_q      <= x;
     end
   end

@@ -3,6 +3,7 @@ module tb_operand_array #(
     parameter  int unsigned GroupBits   = 8,
     parameter  int unsigned RingRows    = 32,
     parameter  int unsigned WordsPerRow = 6,
+    parameter  bit          HoldIdle    = 1'b1,
     localparam int unsigned Lanes       = GroupBits / 2 + 1,
     localparam int unsigned SearchBits  = GroupBits + Lanes - 1,
     localparam int unsigned LaneW       = $clog2(Lanes + 1),
@@ -32,7 +33,7 @@ module tb_operand_array #(
     output logic                   mismatch_valid_o,
     output logic [ScoreBits-1:0]   mismatch_o
 );
-  slog_operands #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_operands (.*);
+  slog_operands #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow), .HoldIdle(HoldIdle)) u_operands (.*);
 
   slog_array #(.GroupBits(GroupBits), .Lanes(Lanes)) u_array (
       .clk_i,
