@@ -96,8 +96,11 @@ def test_mosaic_from_the_command_line(tmp_path: Path) -> None:
     source = _folder(tmp_path / "in", _frames(4, 48))
     result = _run("mosaic", source, "--window", "48", "--out", tmp_path / "out")
     assert result.exit_code == 0 and "3 of 3 edges accepted" in result.stdout
-    edges = _rows(tmp_path / "out" / "edges.csv")
+    links = _rows(tmp_path / "out" / "edges.csv")
+    edges = [e for e in links if e["kind"] == "sequence"]
     assert [(e["frame_a"], e["frame_b"]) for e in edges] == [("1", "2"), ("2", "3"), ("3", "4")]
+    across = {(e["frame_a"], e["frame_b"]): float(e["dy_px"]) for e in links if e["kind"] == "loop"}
+    assert across == {("1", "3"): pytest.approx(96, abs=1), ("2", "4"): pytest.approx(96, abs=1)}
     assert [float(e["dy_px"]) for e in edges] == pytest.approx([48] * 3, abs=1)
     poses = _rows(tmp_path / "out" / "poses.csv")
     assert [float(p["y_px"]) for p in poses] == pytest.approx([71.5, 23.5, -24.5, -72.5], abs=2)
@@ -109,7 +112,8 @@ def test_what_was_finished_stays_when_a_later_frame_is_bad(tmp_path: Path) -> No
     for command in ("mosaic", "track"):
         result = _run(command, source, "--window", "48", "--out", tmp_path / command)
         assert "frame 4 is 60x50, frame 1 is 192x144" in _one_line(result)
-    assert len(_rows(tmp_path / "mosaic" / "edges.csv")) == 2 and len(_rows(tmp_path / "mosaic" / "poses.csv")) == 3
+    chained = [e for e in _rows(tmp_path / "mosaic" / "edges.csv") if e["kind"] == "sequence"]
+    assert len(chained) == 2 and len(_rows(tmp_path / "mosaic" / "poses.csv")) == 3
     assert np.asarray(cv2.imread(str(tmp_path / "mosaic" / "mosaic.png"))).shape[0] >= 144 + 70
     assert {r["frame"] for r in _rows(tmp_path / "track" / "track.csv")} == {"1", "2", "3"}
 

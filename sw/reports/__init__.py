@@ -10,12 +10,13 @@ from pathlib import Path
 
 from sw.errors import SignumError
 from sw.page import Section, write_page
-from sw.reports import anything, flow, navigate, stereo, track
+from sw.reports import anything, flow, mosaic, navigate, stereo, track
 
 KINDS: dict[str, tuple[str, Callable[[Path], list[Section]]]] = {
     "track.csv": ("Tracks", track.sections),
     "flow.csv": ("Optical flow", flow.sections),
     "disparity.csv": ("Stereo range", stereo.sections),
+    "edges.csv": ("Mosaic", mosaic.sections),
     "navigate.csv": ("Mosaic navigation", navigate.sections),
 }
 """Table -> title of the page and maker of its sections from the folder."""

@@ -18,8 +18,6 @@ LINKS = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spre
 """Of a survey's `edges.csv`: the columns of every mosaic's, then how the link came about, turn and zoom from a to b,
 centroid (in a), spread and residual of the windows that agree, original pixels, their number, how many were tried."""
 
-START = "start"
-"""Kind of a row that is no link: frame b begins a piece and is stored."""
 SEQUENCE = "sequence"
 """To the frame stored last, or one of the few before it."""
 LIVE = "live"
