@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sys
 
-from sw.commands import demo, filter, info, mosaic, track
+from sw.commands import demo, filter, flow, hold, info, mosaic, report, stereo, track
 from sw.commands.common import app
 
-__all__ = ["app", "demo", "filter", "info", "main", "mosaic", "track"]
+__all__ = ["app", "demo", "filter", "flow", "hold", "info", "main", "mosaic", "report", "stereo", "track"]
 
 
 def main() -> None:

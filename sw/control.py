@@ -31,12 +31,18 @@ class Pid:
     _sum: float = 0.0
     _last: float | None = field(default=None, repr=False)
 
-    def step(self, error: float, dt: float) -> float:
-        """The next output for an error (wanted minus measured), `dt` seconds after the call before."""
+    def step(self, error: float, dt: float, rate: float | None = None, learn: bool = True) -> float:
+        """The next output for an error (wanted minus measured), `dt` seconds after the call before.
+
+        Args:
+            rate: of the error, where it is known better than by its change, or the error given is a clipped one.
+            learn: whether the integral goes on.
+        """
         g = self.gains
-        rate = 0.0 if self._last is None else (error - self._last) / dt
+        if rate is None:
+            rate = 0.0 if self._last is None else (error - self._last) / dt
         self._last = error
-        integral = self._sum + error * dt
+        integral = self._sum + error * dt if learn else self._sum
         wanted = g.proportional * error + g.integral * integral + g.rate * rate
         if abs(wanted) <= g.limit:
             self._sum = integral

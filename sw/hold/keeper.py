@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sw.control import Gains, Pid
-from sw.hold.meter import Level, Reading, StationMeter
+from sw.hold.meter import UPRIGHT, Level, Reading, StationMeter
+from sw.hold.tuning import Axis
 from sw.measure import View
 
 WIDEN = 4
@@ -18,44 +19,39 @@ STRIDE_M = 0.2
 """The farthest the controller is told it is off: the way back is made at a pace the search can follow."""
 ADRIFT = 40
 """Frames without anything seen after which the vehicle holds wherever it is."""
+PARTED = 0.012
+"""Radians by which a reading's heading and the gyro's may part."""
+GYRO_SHARE = 0.03
+"""Share of their difference by which the gyro's heading follows at every frame: in three seconds."""
 EASY = 0.6
 """Share of a reference's features in sight below which a stand-in is taken: it may be about to leave the view."""
 
 
-def gains(inertia: float, damping: float, bandwidth: float, limit: float) -> Gains:
-    """PID gains by pole placement for an axis that is an inertia with linear damping.
-
-    With force u = Kp e + Ki int e + Kd de/dt the closed loop inertia s^3 + (damping + Kd) s^2 + Kp s + Ki gets the
-    poles (s + w/3)(s^2 + 2 z w s + w^2), w the `bandwidth` in rad/s, damping z = 0.9.
-
-    Args:
-        inertia: kg or kg m^2, added mass included. damping: N s/m or N m s, at the speeds to be held, an autopilot's
-            damper included; where that alone damps more than asked for, Kd is 0.
-        limit: N or N m.
-    """
-    w, z, slow = bandwidth, 0.9, bandwidth / 3
-    return Gains(proportional=inertia * (w * w + 2 * z * w * slow), integral=inertia * slow * w * w,
-                 rate=max(0.0, inertia * (2 * z * w + slow) - damping), limit=limit, slew=20 * limit)
-
-
 @dataclass(frozen=True)
 class Axes:
-    """What the controller must know of the vehicle: inertia, damping and limit of surge, sway, heave, yaw, and
-    bandwidths."""
+    """What the controller knows of the vehicle, and the gains `tuning.tune` found for that: surge, sway, heave, yaw.
 
-    inertia: tuple[float, float, float, float] = (16.0, 22.0, 24.0, 0.4)
-    damping: tuple[float, float, float, float] = (14.0, 18.0, 14.0, 2.9)
-    limit: tuple[float, float, float, float] = (40.0, 40.0, 40.0, 6.0)
-    bandwidth: tuple[float, float, float, float] = (2.2, 2.2, 1.5, 4.0)
+    The vehicle's own sensors and autopilot damp yaw; thrusters slew from end to end in a tenth of a second.
+    """
+
+    axes: tuple[Axis, ...] = (Axis(16.0, 18.0, 40.0), Axis(22.0, 10.0, 40.0), Axis(24.0, 12.0, 40.0),
+                              Axis(0.4, 0.3, 6.0, damper=2.6))
+    tuned: tuple[tuple[float, float, float], ...] = (
+        (67.1, 141.5, 62.5), (60.0, 110.1, 76.8), (68.2, 125.9, 84.2), (5.91, 17.0, 1.26))
+
+    def loops(self) -> list[Pid]:
+        """A controller for each axis."""
+        return [Pid(Gains(*tuned, limit=axis.limit, slew=20 * axis.limit))
+                for axis, tuned in zip(self.axes, self.tuned, strict=True)]
 
 
 @dataclass(frozen=True)
 class Sensed:
-    """What the vehicle's own sensors say at the moment of a frame: roll and pitch, radians; yaw rate, radians per
-    second."""
+    """What the vehicle's own sensors say at the moment of a frame: roll, pitch, pan and tilt, radians; yaw rate,
+    radians per second, None without a gyro."""
 
-    level: Level = (0.0, 0.0)
-    yaw_rate: float = 0.0
+    level: Level = UPRIGHT
+    yaw_rate: float | None = None
 
 
 @dataclass
@@ -78,31 +74,38 @@ class StationKeeper:
     _loops: list[Pid] = field(init=False, repr=False)
     _stand_in: tuple[StationMeter, Reading] | None = field(init=False, default=None, repr=False)
     _offset: Reading = field(init=False, repr=False)
+    _adrift: bool = field(init=False, default=False)
+    _by_gyro: float = field(init=False, default=0.0)
+    _errors: NDArray[np.float64] | None = field(init=False, default=None, repr=False)
 
     def __post_init__(self) -> None:
-        a = self.axes
-        self._loops = [Pid(gains(*axis)) for axis in zip(a.inertia, a.damping, a.bandwidth, a.limit, strict=True)]
+        self._loops = self.axes.loops()
         self._offset = Reading(range_m=self.meter.range_m)
 
     def step(self, live: View, sensed: Sensed, dt: float) -> tuple[Reading, NDArray[np.float64]]:
         """Read a view, which is the keeper's from then on; forces (6,) N and N m in body axes to bring the vehicle
         back."""
         wide = min(WIDEN * self.blind, WIDEST)
-        heading = self._offset.heading + sensed.yaw_rate * dt
+        yaw_rate = sensed.yaw_rate or 0.0
+        heading = self._offset.heading + yaw_rate * dt
         if self.blind:
             self.meter.expect(replace(self._offset, heading=heading))
-        reading = self.meter.read(live, sensed.level, wide)
+        reading = self.meter.read(live, sensed.level, WIDEST if self._adrift else wide)
         seen = reading if reading.valid else self._by_stand_in(live, sensed, wide)
         if seen is None:
             self.blind += 1
             self._offset = replace(self._offset, heading=heading)
             if self.blind == ADRIFT:  # the way back is lost: at least stay here
                 self._take_stand_in(live, Reading(range_m=self.meter.range_m), sensed.level)
+                self._adrift = True
             else:
                 self.meter.measurer.release(live)
+            self._errors = None
+            self._by_gyro += yaw_rate * dt
             forces = [loop.hold() for loop in self._loops[:3]]
-            return reading, self._forces([*forces, self._loops[3].step(-heading, dt)])
+            return reading, self._forces([*forces, self._loops[3].step(-heading, dt, -yaw_rate)])
         self.blind = 0
+        self._adrift = self._adrift and not reading.valid
         self._offset = seen
         if reading.valid and reading.agreed >= EASY * self.meter.offered:
             self._drop_stand_in()
@@ -113,16 +116,34 @@ class StationKeeper:
             self.meter.measurer.release(live)
         if reading.valid and self._stand_in is not None:
             self._stand_in[0].expect(reading.since(self._stand_in[1]))
-        return reading, self._forces(self._steer(seen, dt))
+        return self._believed(reading, sensed, dt), self._forces(self._steer(seen, dt))
+
+    def _believed(self, reading: Reading, sensed: Sensed, dt: float) -> Reading:
+        """The reading, without confidence where its heading and the gyro's part: a few windows at the edge of the view,
+        moved by relief, turn the fit a little more with every frame, which a gyro would feel."""
+        if sensed.yaw_rate is None:
+            return reading
+        self._by_gyro += sensed.yaw_rate * dt
+        if not reading.valid:
+            return reading
+        miss = reading.heading - self._by_gyro
+        if abs(miss) > PARTED:
+            return Reading(agreed=reading.agreed, tried=reading.tried)
+        self._by_gyro += GYRO_SHARE * miss
+        return reading
 
     def _steer(self, offset: Reading, dt: float) -> list[float]:
         """The errors in the body's present axes: the station is behind by what the vehicle is ahead."""
         c, s = np.cos(offset.heading), np.sin(offset.heading)
         forward = -(c * offset.forward + s * offset.right)
         right = -(-s * offset.forward + c * offset.right)
+        errors = np.array([forward, right, offset.range_m - self.meter.range_m, -offset.heading], np.float64)
+        rates = np.zeros(4) if self._errors is None else (errors - self._errors) / dt
+        self._errors = errors
         far = max(1.0, float(np.hypot(forward, right)) / STRIDE_M)
-        errors = (forward / far, right / far, offset.range_m - self.meter.range_m, -offset.heading)
-        return [loop.step(float(e), dt) for loop, e in zip(self._loops, errors, strict=True)]
+        near = far <= 1  # a push is no current: what it takes to come back from far away must not be learnt
+        shown = errors / np.array([far, far, 1.0, 1.0])
+        return [loop.step(float(e), dt, float(r), near) for loop, e, r in zip(self._loops, shown, rates, strict=True)]
 
     def _by_stand_in(self, live: View, sensed: Sensed, wide: int) -> Reading | None:
         """The offset from the station by the stand-in reference; None without one, or if that is lost too."""

@@ -1,6 +1,7 @@
 """Readings as MAVLink `VISION_POSITION_DELTA` (11011), as an ArduSub vehicle takes them: body FRD, 8 to 10 Hz.
 
-The autopilot integrates the deltas; they come from a fixed reference, so their sum does not drift.
+The autopilot integrates the deltas; they come from a fixed reference, so their sum does not drift. Frames that come
+faster than messages are due are passed over: the next message spans them.
 """
 
 from __future__ import annotations
@@ -23,12 +24,13 @@ class MavlinkSink:
 
     Args:
         address: as pymavlink takes it, `udpout:HOST:PORT`.
+        rate: messages a second, at most.
 
     Raises:
         SignumError: if the address cannot be opened.
     """
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, rate: float = 10.0) -> None:
         from pymavlink import mavutil
 
         try:
@@ -36,18 +38,24 @@ class MavlinkSink:
         except (OSError, ValueError, IndexError) as error:
             raise SignumError(f"--mavlink {address}: {error}; write it as udpout:HOST:PORT") from error
         self._last: tuple[float, Reading] | None = None
+        self._period, self._due = 1 / rate, 0.0
         self.sent = 0
 
     def send(self, time: float, reading: Reading) -> None:
-        """Send the change since the reading before; confidence 0 and no change where either is not valid.
+        """Send the change since the last message's reading, if one is due; confidence 0 and no change where either is
+        not valid.
 
         Args:
             time: of the frame, seconds.
             reading: of the frame.
         """
+        if self._last is not None and time < self._due - 1e-3:
+            return
         before, self._last = self._last, (time, reading)
         if before is None:
+            self._due = time + self._period
             return
+        self._due = max(self._due, time - self._period) + self._period  # a frame that came late delays no other
         angle, position, confidence = [0.0] * 3, [0.0] * 3, 0
         old = before[1]
         if old.valid and reading.valid:

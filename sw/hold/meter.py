@@ -15,20 +15,40 @@ from __future__ import annotations
 
 import cmath
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sw.geometry import IDENTITY, Points, Similarity, fit, vote
 from sw.measure import Measurer, Query, Rules, View
-from sw.world.camera import LOOK_DOWN, rotation
+from sw.world.camera import LOOK_DOWN, pan_tilt, rotation
 
-Level = tuple[float, float]
-"""Roll and pitch, radians; (0, 0) where the vehicle has no attitude sensor."""
+
+class Level(NamedTuple):
+    """How the camera is turned from looking straight down, radians: the vehicle's roll and pitch, (0, 0) where it has
+    no attitude sensor, and the pan and tilt of the camera's head, if it sits on one."""
+
+    roll: float = 0.0
+    pitch: float = 0.0
+    pan: float = 0.0
+    tilt: float = 0.0
+
+    @property
+    def turn(self) -> Points:
+        """Camera to level camera (3, 3)."""
+        return LOOK_DOWN.T @ rotation(self.roll, self.pitch, 0.0) @ LOOK_DOWN @ pan_tilt(self.pan, self.tilt)
+
+
+UPRIGHT = Level()
 
 HOLD_RULES = Rules(min_score=0.6, min_margin=0.02, max_return_px=1.5)
 TOLERANCE_PX = 4.0
 """By how much an agreeing window may miss the common similarity: relief and viewing angle move windows apart."""
+MAX_TURN_ERROR = 0.01
+"""Standard error, radians, above which a fitted rotation is not given out."""
+LEAST_NOISE_PX = 1.0
+"""Assumed at least for a window's miss in that error: a handful agrees by chance better than it should."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +127,7 @@ class StationMeter:
             self.measurer.release(self._reference)
             self._reference = None
 
-    def anchor(self, view: View, level: Level = (0.0, 0.0)) -> int:
+    def anchor(self, view: View, level: Level = UPRIGHT) -> int:
         """Make a view the station's reference and keep it; returns how many features it offers.
 
         Every part of the image may be a feature; of a grid, those that look least like their own surroundings are kept.
@@ -134,7 +154,7 @@ class StationMeter:
         self._last = Similarity(zoom * turn, -moved * (self.focal / offset.range_m) * turn)
         self._drift = 0j
 
-    def read(self, live: View, level: Level = (0.0, 0.0), wide: int = 0) -> Reading:
+    def read(self, live: View, level: Level = UPRIGHT, wide: int = 0) -> Reading:
         """Measure a live view.
 
         Args:
@@ -165,7 +185,9 @@ class StationMeter:
         start, _ = vote(anchors, found, TOLERANCE_PX, 45.0, 1.6, 1.5 * self.window)
         result = fit(anchors, found, start, TOLERANCE_PX)
         agreed = int(result.agree.sum())
-        if agreed < self.least or 2 * agreed < len(keep) or not result.turning:
+        agreeing = anchors[result.agree]
+        if (agreed < self.least or 2 * agreed < len(keep) or not result.turning
+                or _turn_error(agreeing, found[result.agree], result.similarity) > MAX_TURN_ERROR):
             self._drift = 0j
             return Reading(agreed=agreed, tried=visible)
         similarity = result.similarity
@@ -174,6 +196,14 @@ class StationMeter:
         self._last = similarity
         score = float(np.median([answers[i].score for i, good in zip(keep, result.agree, strict=True) if good]))
         return self._reading(similarity, agreed, max(visible, agreed), score)
+
+    def features_at(self, level: Level = UPRIGHT) -> Points:
+        """Where the last reading, or `expect`, puts the features: pixels (n, 2) of the frame."""
+        return self._tilted(self._last(self._anchors), level)
+
+    def middle_at(self, level: Level = UPRIGHT) -> Points:
+        """Where it puts the ground point below the station: pixel (2,) of the frame."""
+        return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
 
     def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float) -> Reading:
         """Equations 4 to 7, without their small angles."""
@@ -186,20 +216,28 @@ class StationMeter:
 
     def _levelled(self, points: Points, level: Level) -> Points:
         """Pixels from the image centre at which a level camera would see what this one sees at `points`."""
-        return self._turned(points - self.centre, rotation(*level, 0.0))
+        return self._turned(points - self.centre, level.turn)
 
     def _tilted(self, points: Points, level: Level) -> Points:
         """The way back: pixels of the frame."""
-        return self._turned(points, rotation(*level, 0.0).T) + self.centre
+        return self._turned(points, level.turn.T) + self.centre
 
     def _turned(self, points: Points, turn: NDArray[np.float64]) -> Points:
         rays = np.hstack([points / self.focal, np.ones((len(points), 1))])
-        seen = rays @ (LOOK_DOWN.T @ turn @ LOOK_DOWN).T
+        seen = rays @ turn.T
         return np.asarray(seen[:, :2] / seen[:, 2:] * self.focal)
 
     def _visible(self, points: Points) -> NDArray[np.bool_]:
         half = self.window / 2
         return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
+
+
+def _turn_error(anchors: Points, found: Points, similarity: Similarity) -> float:
+    """Standard error of the fitted rotation, radians: few windows on a small part of the image say little of it."""
+    miss = found - similarity(anchors)
+    noise = max(LEAST_NOISE_PX, float(np.sqrt((miss**2).sum() / max(2 * len(anchors) - 4, 1))))
+    lever = float(np.sqrt(((anchors - anchors.mean(axis=0))**2).sum()))
+    return noise / max(lever, 1e-6)
 
 
 def _spread(order: list[int], places: list[tuple[int, int]], count: int) -> list[int]:

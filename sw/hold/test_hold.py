@@ -7,7 +7,7 @@ import pytest
 
 from sw.golden_board import GoldenBoard
 from sw.hold.mavlink import MavlinkSink
-from sw.hold.meter import Reading, StationMeter
+from sw.hold.meter import Level, Reading, StationMeter
 from sw.hold.simulate import Scenario, hold, judge
 from sw.measure import Measurer
 from sw.world.camera import Pinhole
@@ -38,7 +38,8 @@ def test_signs_and_sizes(world: World, forward: float, right: float, up: float, 
     assert meter.anchor(meter.measurer.view(shot.frame)) >= 8
     vehicle.position = vehicle.position + np.array([forward, right, -up])
     vehicle.attitude = np.array([roll, pitch, yaw])
-    reading = meter.read(meter.measurer.view(world.look(CAMERA, DOWN.sight(vehicle)).frame), (roll, pitch))
+    reading = meter.read(meter.measurer.view(world.look(CAMERA, DOWN.sight(vehicle)).frame),
+                         Level(roll, pitch))
     assert reading.valid
     assert (reading.forward, reading.right) == pytest.approx((forward, right), abs=0.004)
     assert reading.heading == pytest.approx(yaw, abs=0.003)

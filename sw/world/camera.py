@@ -33,6 +33,15 @@ LOOK_AHEAD: Matrix = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]
 """Camera to body with the axis forward and the image upright."""
 
 
+def pan_tilt(pan: float, tilt: float) -> Matrix:
+    """Camera on a pan/tilt to the same camera at rest (3, 3): pan turns right about the image's vertical, then tilt
+    looks up; radians."""
+    cp, sp, ct, st = np.cos(pan), np.sin(pan), np.cos(tilt), np.sin(tilt)
+    to_side = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
+    upward = np.array([[1.0, 0.0, 0.0], [0.0, ct, -st], [0.0, st, ct]])
+    return np.asarray(to_side @ upward)
+
+
 @dataclass(frozen=True, eq=False)
 class Sight:
     """Where a camera is and how it is turned: position (3,) world metres, rotation (3, 3) camera to world."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sw.world.camera import LOOK_AHEAD, LOOK_DOWN, Matrix, Sight, rotation
+from sw.world.camera import LOOK_AHEAD, LOOK_DOWN, Matrix, Sight, pan_tilt, rotation
 
 Vector = NDArray[np.float64]
 
@@ -143,11 +143,7 @@ class Mount:
         """Where the camera is now, turned by the pan/tilt where there is one."""
         look = self.look
         if head is not None:
-            # About the camera's own axes: pan turns right about the image's vertical, then tilt looks up.
-            cp, sp, ct, st = np.cos(head.pan), np.sin(head.pan), np.cos(head.tilt), np.sin(head.tilt)
-            pan = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-            tilt = np.array([[1, 0, 0], [0, ct, -st], [0, st, ct]])
-            look = look @ pan @ tilt
+            look = look @ pan_tilt(head.pan, head.tilt)
         return Sight(vehicle.position + vehicle.turn @ self.offset, vehicle.turn @ look)
 
 
