@@ -149,6 +149,7 @@ class Follower:
         last = self.target
         seen = self.eye.look(frames, moved)
         x, y = expected or (last.x + self._moving[0], last.y + self._moving[1])
+        inside = 0 <= x < self.eye.measurer.size[0] and 0 <= y < self.eye.measurer.size[1]
         blob = None if seen is None else one_blob(seen, None if last.lost else (x, y))
         if blob is not None and not last.lost and math.hypot(blob.x - x, blob.y - y) > GATE_PX:
             blob = None
@@ -158,10 +159,10 @@ class Follower:
             self._set(Target(State.SEEN, blob.x, blob.y, blob.range_m, blob, seen))
         elif last.lost:
             self.target = Target(State.LOST, last.x, last.y, blob=blob, seen=seen)
-        elif self._kept < self.keep and (place := self._by_picture(x, y) or (blob and (blob.x, blob.y))):
+        elif inside and self._kept < self.keep and (place := self._by_picture(x, y) or (blob and (blob.x, blob.y))):
             self._kept, self._without = self._kept + 1, 0
             self._set(Target(State.KEPT, *place, last.range_m, blob, seen))
-        elif self._without < self.patience:
+        elif inside and self._without < self.patience:
             self._without += 1
             self.target = Target(State.COASTING, x, y, last.range_m, None, seen)
         else:
