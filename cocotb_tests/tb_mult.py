@@ -16,9 +16,15 @@ def operand(rng: random.Random) -> int:
 
 
 def traffic(rng: random.Random) -> Stimulus:
-    """Extreme and random operands, the enable high in three clocks of four."""
+    """Runs of extreme and random operands, a new coefficient before each; its value stays until the run has ended."""
+    b, left = operand(rng), 0
     for _ in range(CLOCKS):
-        yield {"en_i": int(rng.random() < 0.75), "a_i": operand(rng), "b_i": operand(rng)}
+        if left == 0:
+            left = rng.randint(1, 12)
+            b = operand(rng)
+            yield {"en_i": 0, "a_i": operand(rng), "b_i": b}
+        left -= 1
+        yield {"en_i": 1, "a_i": operand(rng), "b_i": b}
 
 
 @cocotb.test()

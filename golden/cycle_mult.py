@@ -11,13 +11,14 @@ def signed(value: int, bits: int) -> int:
 
 
 class MultModel:
-    """Signed 18 x 18 -> 36 bits in three registers with one enable."""
+    """Signed 18 x 18 -> 36 bits in three registers with one enable; b, a coefficient, is taken over while it is low."""
 
     INPUTS = ("en_i", "a_i", "b_i")
     OUTPUTS = ("p_o",)
 
     def __init__(self) -> None:
-        self.operands: tuple[int, int] | None = None
+        self.a: int | None = None
+        self.b: int | None = None
         self.product: int | None = None
         self.out: int | None = None
 
@@ -26,7 +27,8 @@ class MultModel:
         out = self.out
         if i["en_i"]:
             self.out = self.product
-            a, b = self.operands or (None, None)
-            self.product = None if a is None or b is None else (a * b) & (1 << 2 * BITS) - 1
-            self.operands = signed(i["a_i"], BITS), signed(i["b_i"], BITS)
+            self.product = None if self.a is None or self.b is None else (self.a * self.b) & (1 << 2 * BITS) - 1
+            self.a = signed(i["a_i"], BITS)
+        else:
+            self.b = signed(i["b_i"], BITS)
         return {"p_o": out}

@@ -54,26 +54,39 @@ module slog_fir #(
     end
   end
 
-  for (genvar i = 0; i < Taps; i++) begin : g_window
-    logic [DataW-1:0] value;
-    if (!Row || i == Taps - 1) begin : g_given
-      assign value = window_i[Row ? 0 : i];
-    end else begin : g_kept
-      logic [DataW-1:0] value_q;
-      always_ff @(posedge clk_i) if (move_i) value_q <= g_window[i+1].value;
-      assign value = value_q;
+  logic [DataW-1:0] value[Taps];
+  if (Row) begin : g_kept
+    logic [DataW-1:0] kept_q[Taps-1];
+    always_ff @(posedge clk_i) begin
+      if (move_i) for (int unsigned i = 0; i < Taps - 1; i++) kept_q[i] <= value[i+1];
+    end
+    for (genvar i = 0; i < Taps - 1; i++) begin : g_value
+      assign value[i] = kept_q[i];
+    end
+    assign value[Taps-1] = window_i[0];
+  end else begin : g_given
+    for (genvar i = 0; i < Taps; i++) begin : g_value
+      assign value[i] = window_i[i];
     end
   end
 
-  for (genvar d = 0; d <= Radius; d++) begin : g_fold
-    logic [17:0] fold_q;
-    if (d == 0) begin : g_centre
-      always_ff @(posedge clk_i) if (valid_i) fold_q <= 18'(g_window[Radius].value);
-    end else begin : g_pair
-      logic [DataW-1:0] older, newer;
-      assign older = beyond_old_i[d-1] ? edge_i : g_window[Radius-d].value;
-      assign newer = beyond_new_i[d-1] ? edge_i : g_window[Radius+d].value;
-      always_ff @(posedge clk_i) if (valid_i) fold_q <= 18'(older) + 18'(newer);
+  // The outer condition follows from the inner ones: it spares the simulator all of them where there is no border.
+  logic [DataW-1:0] taken[Taps];
+  always_comb begin
+    taken = value;
+    if (beyond_old_i != '0 || beyond_new_i != '0) begin
+      for (int unsigned d = 1; d <= Radius; d++) begin
+        if (beyond_old_i[d-1]) taken[Radius-d] = edge_i;
+        if (beyond_new_i[d-1]) taken[Radius+d] = edge_i;
+      end
+    end
+  end
+
+  logic [17:0] fold_q[Radius+1];
+  always_ff @(posedge clk_i) begin
+    if (valid_i) begin
+      fold_q[0] <= 18'(taken[Radius]);
+      for (int unsigned d = 1; d <= Radius; d++) fold_q[d] <= 18'(taken[Radius-d]) + 18'(taken[Radius+d]);
     end
   end
 
@@ -85,7 +98,7 @@ module slog_fir #(
       slog_mult u_mult (
           .clk_i,
           .en_i(mult_q),
-          .a_i (g_fold[d].fold_q),
+          .a_i (fold_q[d]),
           .b_i (coef_i[k][d]),
           .p_o (product)
       );
@@ -115,5 +128,6 @@ module slog_fir #(
     assign sum_o[k] = g_level[Levels-1].g_node[0].sum_q;
   end
 
+  `SLOG_ASSERT(SlogFirCoefficientsStatic, mult_q |-> $stable(coef_i))
   `SLOG_ASSERT_INIT(SlogFirWidths, DataW <= 18 && SumW <= 36)
 endmodule : slog_fir

@@ -2,12 +2,13 @@
 //
 //   p = a * b
 //
-//   stage  registers, all moving while en_i is high
-//   1      operands
+//   stage  registers
+//   1      operand a; b is a coefficient, taken over in any clock with en_i low
 //   2      product
 //   3      product, output
-// Latency    : 3 clocks with en_i high, the operands' own the first.
+// Latency    : 3 clocks with en_i high, a's own the first.
 // Throughput : one product per clock.
+// Rules      : b_i keeps its value from the clock before en_i rises until en_i falls. a and the products hold while it is low.
 // Formats    : two's complement, 18 x 18 -> 36 bits, exact.
 // One enable: a block of four hard multipliers has room for four different ones, its own and its neighbours'.
 // Twin       : ecp5/slog_mult.sv is the same module on the ECP5's multiplier block.
@@ -18,16 +19,21 @@ module slog_mult (
     input  logic signed [17:0] b_i,
     output logic signed [35:0] p_o
 );
-  logic signed [17:0] a_q, b_q;
-  logic signed [35:0] p_q, p_q2;
+  // Machine words: they simulate faster than 18 and 36 bits.
+  int a_q, b_q;
+  longint p_q;
+  /* verilator lint_off UNUSEDSIGNAL */
+  longint p_q2;
+  /* verilator lint_on UNUSEDSIGNAL */
 
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      a_q  <= a_i;
-      b_q  <= b_i;
-      p_q  <= 36'(longint'(a_q) * longint'(b_q));  // a machine word: simulates faster than 36 bits
+      a_q  <= 32'(a_i);
+      p_q  <= longint'(a_q) * longint'(b_q);
       p_q2 <= p_q;
+    end else begin
+      b_q <= 32'(b_i);
     end
   end
-  assign p_o = p_q2;
+  assign p_o = 36'(p_q2);
 endmodule : slog_mult
