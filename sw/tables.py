@@ -25,6 +25,12 @@ FLOW = "frame_a", "frame_b", "x_px", "y_px", "dx_px", "dy_px", "score", "valid"
 valid."""
 DISPARITY = "frame", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
 """Of `disparity.csv`, original pixels of the rectified left picture; empty where not valid or not known."""
+NAVIGATE = "frame", "x_px", "y_px", "rot_deg", "scale", "score", "confidence"
+"""Of `navigate.csv`: the frame's centre, rotation and zoom in mosaic.png, its pixels; empty and confidence 0 where it
+was not found."""
+GOTO = "frame", "right_px", "down_px", "sharp"
+"""Of `goto.csv`: the way from the middle of the frame to the target, original pixels, empty where not known; 1 where it
+was measured about the target itself."""
 
 
 class Table:

@@ -27,6 +27,8 @@ from sw.sources import Fit, Picture
 
 MOST_WINDOWS = (9, 7)
 """Across and down."""
+STRAIGHT_DEG, STRAIGHT_ZOOM = 2.0, 0.03
+"""Up to this much a guess may be turned or scaled wrongly: windows match well enough."""
 
 
 @dataclass(frozen=True)
@@ -51,9 +53,9 @@ class Limits:
     rot_deg: float = 12.0
     zoom: float = 1.25
     miss: float = 0.09
-    windows: int = 8
+    windows: int = 6
     share: float = 0.2
-    sure_windows: int = 10
+    sure_windows: int = 8
     sure_share: float = 0.25
     reach: int = 24
     rules: Rules = field(default_factory=lambda: Rules(min_score=0.6, min_margin=0.01, max_return_px=2.0))
@@ -199,9 +201,11 @@ class Localiser:
         return Place(found, (float(x), float(y)), look.score, confidence, look.agreed, look.tried)
 
     def _look(self, live: Picture, guess: Similarity) -> _Look:
-        """Compare a frame with what it should show; a second time from a better guess if that promises more."""
+        """Compare a frame with what it should show; where that turns out to be turned or scaled, once more."""
         look = self._compare(live, guess)
-        if look.agreed >= 3:
+        change = guess.inverse @ look.similarity
+        if look.agreed >= 3 and (abs(change.rot_deg) > STRAIGHT_DEG or abs(change.scale - 1) > STRAIGHT_ZOOM
+                                 or not self._good(look, True)):
             again = self._compare(live, look.similarity)
             look = again if again.agreed >= look.agreed else look
         return look

@@ -44,31 +44,38 @@ class Aim:
 
 
 class Pilot:
-    """Says, frame by frame, where the target is.
+    """Says, frame by frame, where the camera looks, and where the target is.
 
     Args:
         localiser: in the mosaic.
-        target: pixels of mosaic.png.
+        target: pixels of mosaic.png; None where only the place is wanted.
+        patience: frames not found near the last place before everything is searched.
     """
 
-    def __init__(self, localiser: Localiser, target: tuple[float, float]) -> None:
-        self.localiser, self.target = localiser, target
+    def __init__(self, localiser: Localiser, target: tuple[float, float] | None, patience: int = PATIENCE) -> None:
+        self.localiser, self.target, self.patience = localiser, target, patience
         self._last: Similarity | None = None
         self.missed = 0
+
+    def forget(self) -> None:
+        """Search everywhere next time."""
+        self._last = None
 
     def look(self, picture: Picture) -> Aim:
         """Find a frame, and the target in it."""
         place = Place()
         if self._last is not None:
             place = self.localiser.locate(picture, self._last)
-        if not place.known and (self._last is None or self.missed >= PATIENCE):
+        if not place.known and (self._last is None or self.missed >= self.patience):
             place = self.localiser.locate(picture)
         if place.similarity is None:
             self.missed += 1
-            if self.missed > PATIENCE:
+            if self.missed > self.patience:
                 self._last = None
             return Aim(place, np.full(2, np.nan), False)
         self.missed, self._last = 0, place.similarity
+        if self.target is None:
+            return Aim(place, np.full(2, np.nan), False)
         size = np.array(self.localiser.shown.source, np.float64)
         at = place.similarity.inverse(np.array(self.target, np.float64))
         sharp = None

@@ -7,17 +7,20 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from sw.blend import bounds
 from sw.geometry import Similarity
 from sw.measure import Measurer
-from sw.mosaic import Column
 from sw.navigate.chart import Chart
+from sw.navigate.conformal import Conformal
 from sw.navigate.localise import Localiser, Place
 from sw.navigate.pilot import Aim, PanTiltSteering, Pilot
 from sw.register import Registrar
 from sw.sources import Fit, Frame, Picture
+from sw.survey.survey import Survey
 from sw.world.camera import Pinhole, Sight
 from sw.world.seafloor import Seafloor
 from sw.world.vehicle import DOWN, PanTilt, Vehicle
@@ -28,6 +31,8 @@ Array = NDArray[np.float64]
 Make = Callable[[tuple[int, int], float], Measurer]
 SIGMA = 2.0
 WINDOW = 64
+PATCH = 12
+"""Half the side of the patch by which the judge tells which picture a pixel of the mosaic comes from."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,29 @@ class Step:
     frame: Picture
 
 
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """Truth of a picture of the survey: its pixels -> mosaic.png, the picture, where it was taken from, its depths
+    before it was redrawn."""
+
+    place: Similarity
+    picture: Picture
+    sight: Sight
+    depth: NDArray[np.float32]
+
+    def likeness(self, mosaic: Picture, at: Array) -> float:
+        """Correlation of the mosaic with this picture about a place, -1..1; -1 where the picture does not show it."""
+        size = np.array(self.picture.shape[::-1])
+        if ((self.place.inverse(at) < PATCH) | (self.place.inverse(at) > size - 1 - PATCH)).any():
+            return -1.0
+        side = 2 * PATCH + 1
+        from_here = Similarity(1 + 0j, complex(*at) - complex(PATCH, PATCH))
+        patches = [cv2.warpAffine(picture, matrix, (side, side), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
+                   for picture, matrix in ((mosaic, from_here.matrix), (self.picture,
+                                                                        (self.place.inverse @ from_here).matrix))]
+        return float(np.corrcoef(patches[0].ravel(), patches[1].ravel())[0, 1])
+
+
 @dataclass
 class PanTiltSite:
     """A pan/tilt over a seafloor, and the mosaic it made."""
@@ -70,38 +98,41 @@ class PanTiltSite:
     camera: Pinhole = field(default_factory=Pinhole)
     world: World = field(init=False, repr=False)
     vehicle: Vehicle = field(init=False, repr=False)
-    shots: list[tuple[Similarity, Sight, NDArray[np.float32]]] = field(init=False, default_factory=list, repr=False)
-    """Truth of the survey: of every placed picture, its pixels -> mosaic.png, where it was taken from, its depths."""
+    redrawn: Conformal = field(init=False, repr=False)
+    shots: list[Shot] = field(init=False, default_factory=list, repr=False)
+    """Truth of the survey."""
 
     def __post_init__(self) -> None:
         s = self.scene
         floor = Seafloor(extent=6 * s.height, relief=s.relief, texel=s.height / 500, photo=s.photo, seed=s.seed)
         self.world = World(floor, s.water, seed=s.seed)
+        self.redrawn = Conformal(self.camera.size, self.camera.focal)
         self.vehicle = Vehicle(position=np.array([0.0, 0.0, -s.height]))
 
     def look(self, head: PanTilt) -> Picture:
-        """What the camera sees now."""
-        return self.world.look(self.camera, DOWN.sight(self.vehicle, head)).frame
+        """What the camera sees now, redrawn."""
+        return self.redrawn(self.world.look(self.camera, DOWN.sight(self.vehicle, head)).frame)
 
-    def survey(self, measurer: Make, largest: tuple[int, int], out: Path, tell: Callable[[str], None] | None = None
-               ) -> Chart:
+    def survey(self, measurer: Make, out: Path, tell: Callable[[str], None] | None = None) -> Chart:
         """Sweep back and forth, build the mosaic in `out`, and remember for the judge what it shows where."""
-        shown = Fit(self.camera.size, self.camera.size)
-        taken: dict[str, tuple[Sight, NDArray[np.float32]]] = {}
-        with Column(Registrar.on(measurer, shown, WINDOW, SIGMA), out) as column:
+        shown = Fit(self.redrawn.shown, self.redrawn.shown)
+        taken: dict[str, tuple[Picture, Sight, NDArray[np.float32]]] = {}
+        with Survey(Registrar.on(measurer, shown, WINDOW, SIGMA), out) as survey:
             for k, head in enumerate(self._sweep()):
                 sight = DOWN.sight(self.vehicle, head)
                 shot = self.world.look(self.camera, sight)
-                taken[str(k)] = sight, shot.depth
-                column.add(Frame(str(k), shot.frame))
+                frame = self.redrawn(shot.frame)
+                taken[str(k)] = frame, sight, shot.depth
+                survey.add(Frame(str(k), frame))
                 self.world.step(0.5)
                 if tell is not None:
                     tell("survey")
-        stored = column.pieces[0].stored
-        corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) * (np.array(self.camera.size) - 1)
-        low = np.floor(np.min([s.place(corners).min(axis=0) for s in stored], axis=0))
+            for _ in survey.finish():
+                pass
+        places = survey.ranked()[0].places
+        low = bounds([self.redrawn.shown] * len(places), list(places.values()))[0]
         view = Similarity(1 + 0j, -complex(*low))
-        self.shots = [(view @ s.place, *taken[s.name]) for s in stored]
+        self.shots = [Shot(view @ place, *taken[name]) for name, place in places.items()]
         return Chart.load(out)
 
     def _sweep(self) -> Iterator[PanTilt]:
@@ -111,15 +142,16 @@ class PanTiltSite:
             for tilt in tilts if i % 2 == 0 else tilts[::-1]:
                 yield PanTilt(pan=float(pan), tilt=float(tilt))
 
-    def world_point(self, target: tuple[float, float]) -> Array:
-        """Truth: the world point (3,) a pixel of the mosaic shows, by the picture whose centre is nearest to it."""
-        at, centre = np.array(target), (np.array(self.camera.size, np.float64) - 1) / 2
-        place, sight, depth = min(self.shots, key=lambda s: float(np.hypot(*(s[0](centre) - at))))
-        x, y = place.inverse(at)
-        z = float(depth[int(np.clip(round(float(y)), 0, depth.shape[0] - 1)),
-                        int(np.clip(round(float(x)), 0, depth.shape[1] - 1))])
-        ray = np.array([(x - centre[0]) / self.camera.focal, (y - centre[1]) / self.camera.focal, 1.0])
-        return np.asarray(sight.position + sight.rotation @ (z * ray), np.float64)
+    def world_point(self, chart: Chart, target: tuple[float, float]) -> Array:
+        """Truth: the world point (3,) a pixel of the mosaic shows: that of the survey's picture it looks most like
+        there, for seams may run anywhere."""
+        at = np.array(target)
+        shot = max(self.shots, key=lambda s: s.likeness(chart.picture, at))
+        x, y = self.redrawn.pinhole(shot.place.inverse(at))
+        height, width = shot.depth.shape
+        z = float(shot.depth[int(np.clip(round(float(y)), 0, height - 1)), int(np.clip(round(float(x)), 0, width - 1))])
+        ray = np.array([*((np.array([x, y]) - self.camera.centre) / self.camera.focal), 1.0])
+        return np.asarray(shot.sight.position + shot.sight.rotation @ (z * ray), np.float64)
 
     def true_place(self, target: Array, head: PanTilt) -> Array:
         """Truth: (2,) from the middle of the frame to a world point, pixels."""
@@ -134,7 +166,7 @@ class PanTiltSite:
     def random_target(self, chart: Chart, rng: np.random.Generator) -> tuple[float, float]:
         """A place of the mosaic that can be looked at with most of the picture on the mosaic: a third of the frame from
         its border."""
-        reach_x, reach_y = (n / 3 for n in self.camera.size)
+        reach_x, reach_y = (n / 3 for n in self.redrawn.shown)
         while True:
             x, y = (float(rng.uniform(r, n - r)) for r, n in zip((reach_x, reach_y), chart.size, strict=True))
             if all(chart.covers(x + i * reach_x, y + j * reach_y) for i in (-1, 0, 1) for j in (-1, 0, 1)):
@@ -146,7 +178,7 @@ class PanTiltSite:
         by its own measurement, or when the time is up."""
         dt = 1 / self.scene.rate
         pilot, steering = Pilot(localiser, target), PanTiltSteering(self.camera.focal)
-        goal = self.world_point(target)
+        goal = self.world_point(localiser.chart, target)
         there = 0.0
         for k in range(round(seconds * self.scene.rate)):
             frame = self.look(head)
@@ -165,4 +197,4 @@ def miss(site: PanTiltSite, chart: Chart, place: Place, head: PanTilt) -> float:
     inside = chart.covers(*place.centre)
     if not inside:
         return float("inf")
-    return float(np.hypot(*site.true_place(site.world_point(place.centre), head)))
+    return float(np.hypot(*site.true_place(site.world_point(chart, place.centre), head)))
