@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -45,6 +45,8 @@ class Limits:
         turns_deg: rotations of picture a tried in the coarse step, until `convinced` windows agree.
         straight_deg, straight_zoom: up to this much, a is not turned for the fine step.
         coarse_miss: pixels of the coarse picture by which a window may miss the similarity it votes for.
+        rival_votes, rival_share: number of coarse windows, and share of the winning number, from which a second place
+            is looked at too: where both match, neither is believed.
         fine_miss: the same on the board, as a fraction of the window's side: relief moves windows apart.
         windows: least number of agreeing fine windows.
         share: least share of the fine windows in the overlap that must agree.
@@ -59,6 +61,8 @@ class Limits:
     straight_deg: float = 2.5
     straight_zoom: float = 0.05
     coarse_miss: float = 3.2
+    rival_votes: int = 5
+    rival_share: float = 0.4
     fine_miss: float = 0.08
     windows: int = 4
     share: float = 0.5
@@ -104,6 +108,14 @@ class Prepared:
 
     coarse: Picture
     fine: Picture
+
+
+@dataclass(frozen=True)
+class _Vote:
+    """A similarity of the coarse step, original pixels, and how many windows vote for it."""
+
+    similarity: Similarity
+    count: int
 
 
 class Registrar:
@@ -156,14 +168,19 @@ class Registrar:
         """
         if guess is not None:
             return self._around(a, b, guess, reach or self.limits.reach)
-        guesses = self._coarsely(a, b)
         result = self._refused(IDENTITY, "no two windows agree")
-        for guess in guesses:
+        for guess in self._coarsely(a, b):
             found = self._around(a, b, guess, self.limits.reach)
-            if found.accepted:
-                return found
-            result = found if found.agreed >= result.agreed else result
+            if result.accepted and found.accepted and self._apart(result, found):
+                return replace(result, accepted=False, reason="two places match: the scene repeats itself")
+            if found.accepted > result.accepted or (found.accepted == result.accepted
+                                                    and found.agreed >= result.agreed):
+                result = found
         return result
+
+    def _apart(self, one: Registration, other: Registration) -> bool:
+        """Whether two registrations say different things, rather than the same more or less well."""
+        return math.dist(one.shift, other.shift) > self.limits.fine_miss * 2 * self.window * max(self.fine.factor)
 
     def _around(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
         """The fine step about a guess, and about what it leads to."""
@@ -189,27 +206,32 @@ class Registrar:
 
     def _coarsely(self, a: Prepared, b: Prepared) -> list[Similarity]:
         """Guesses, original pixels, the better first: what most windows vote for with a straight or turned by one of
-        `turns_deg`; and what they vote for when a is turned and zoomed by that, so that more of them match."""
+        `turns_deg`; what they vote for when a is turned and zoomed by that, so that more of them match, if the first
+        vote did not convince; and what a good number of others vote for, as where the scene repeats itself."""
         self._measurer = self._reference = None
         measurer = self._make(self.coarse.board, COARSE_SIGMA)
         live = measurer.view(b.coarse)
-        best, most = IDENTITY, 1
+        best: list[_Vote] = [_Vote(IDENTITY, 1)]
         for rot in self.limits.turns_deg:
-            found, votes = self._ballot(measurer, a, live, self._turn(Similarity.of(rot)))
-            if votes > most:
-                best, most = found, votes
-            if most >= self.limits.convinced:
-                return [best]
-        if most < 2:
+            votes = self._ballot(measurer, a, live, self._turn(Similarity.of(rot)))
+            if votes and votes[0].count > best[0].count:
+                best = votes
+            if best[0].count >= self.limits.convinced:
+                break
+        if best[0].count < 2:
             return []
-        turn = self._turn(best)
-        found, votes = self._ballot(measurer, a, live, turn, best @ turn.inverse)
-        return [best, found] if votes > most else [best]
+        guesses = [best[0].similarity]
+        if best[0].count < self.limits.convinced:
+            turn = self._turn(best[0].similarity)
+            again = self._ballot(measurer, a, live, turn, best[0].similarity @ turn.inverse)
+            guesses += [v.similarity for v in again[:1] if v.count > best[0].count]
+        least = max(self.limits.rival_votes, self.limits.rival_share * best[0].count)
+        return guesses + [rival.similarity for rival in best[1:] if rival.count >= least]
 
     def _ballot(self, measurer: Measurer, a: Prepared, live: View, turn: Similarity,
-                onward: Similarity | None = None) -> tuple[Similarity, int]:
-        """What most windows of a, turned, vote for, and how many; searched everywhere, or about where `onward` takes
-        them."""
+                onward: Similarity | None = None) -> list[_Vote]:
+        """What most windows of a, turned, vote for, and what most of the others do; searched everywhere, or about where
+        `onward` takes them."""
         side = [min(COARSE_WINDOW, n // 2) for n in self.coarse.board]
         tolerance = self.limits.coarse_miss * max(self.coarse.factor)
         apart = 0.5 * min(side) * max(self.coarse.factor)
@@ -223,12 +245,17 @@ class Registrar:
                                     for (x, y), d in zip(centres, ahead, strict=True)], ANYTHING)
         measurer.release(view)
         met = [i for i, m in enumerate(answers) if m.reason is not Reason.OUTSIDE]
-        if len(met) < 2:
-            return turn, 0
-        p = self.coarse.to_source(at[met])
-        q = self.coarse.to_source(at[met] + [[answers[i].dx_px, answers[i].dy_px] for i in met])
-        found, agree = vote(p, q, tolerance, self.limits.rot_deg, self.limits.zoom, apart)
-        return fit(p, q, found, tolerance).similarity @ turn, int(agree.sum())
+        p = self.coarse.to_source(at[met].reshape(-1, 2))
+        q = self.coarse.to_source(at[met].reshape(-1, 2)
+                                  + np.array([[answers[i].dx_px, answers[i].dy_px] for i in met]).reshape(-1, 2))
+        out = []
+        for _ in range(2):
+            if len(p) < 2:
+                break
+            found, agree = vote(p, q, tolerance, self.limits.rot_deg, self.limits.zoom, apart)
+            out.append(_Vote(fit(p, q, found, tolerance).similarity @ turn, int(agree.sum())))
+            p, q = p[~agree], q[~agree]
+        return out
 
     def _seen(self, level: Fit, turn: Similarity, centre: tuple[int, int], side: Sequence[int]) -> bool:
         """Whether the whole window at `centre` of a picture turned by `turn` shows only the picture."""
