@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 
-from sw.commands import demo, filter, flow, hold, info, mosaic, report, stereo, track
+from sw.commands import demo, filter, flow, follow, hold, info, mosaic, navigate, report, simulate, stereo, track
 from sw.commands.common import app
 
-__all__ = ["app", "demo", "filter", "flow", "hold", "info", "main", "mosaic", "report", "stereo", "track"]
+__all__ = ["app", "demo", "filter", "flow", "follow", "hold", "info", "main", "mosaic", "navigate", "report",
+           "simulate", "stereo", "track"]
 
 
 def main() -> None:

@@ -73,7 +73,7 @@ class Eye(Protocol):
 class RangeEye:
     """Sees what is nearer than `nearer` metres, by stereo; searches from `closest` metres to a little beyond."""
 
-    def __init__(self, measurer: Measurer, geometry: StereoGeometry, nearer: float = 4.0, closest: float = 0.7,
+    def __init__(self, measurer: Measurer, geometry: StereoGeometry, nearer: float = 4.0, closest: float = 1.0,
                  window: int = 24, step: int = 24) -> None:
         self.measurer, self.geometry, self.nearer, self.window, self.step = measurer, geometry, nearer, window, step
         per_metre = geometry.focal * geometry.baseline
@@ -98,7 +98,7 @@ class RangeEye:
 class MotionEye:
     """Sees what moves otherwise than the terrain."""
 
-    def __init__(self, measurer: Measurer, disagree_px: float = 1.5, window: int = 32, step: int = 24, reach: int = 12
+    def __init__(self, measurer: Measurer, disagree_px: float = 1.5, window: int = 32, step: int = 24, reach: int = 9
                  ) -> None:
         self.measurer, self.disagree_px, self.window, self.step, self.reach = measurer, disagree_px, window, step, reach
         self.live: View | None = None

@@ -50,7 +50,8 @@ class Chase:
 
 @dataclass(frozen=True, eq=False)
 class Glimpse:
-    """A frame of a chase: answer, and the truth: the fish's pixel (NaN where it is not in view), head and vehicle."""
+    """A frame, or stereo pair, of a chase: answer, and the truth: the fish's pixel (NaN where it is not in view), its
+    distance, head (pan, tilt) and vehicle."""
 
     time: float
     target: Target
@@ -58,7 +59,12 @@ class Glimpse:
     range_m: float
     head: tuple[float, float]
     position: tuple[float, float, float]
-    frame: Picture
+    frames: tuple[Picture, ...]
+
+    @property
+    def frame(self) -> Picture:
+        """The frame, or the left one of the pair."""
+        return self.frames[0]
 
     def centred(self, size: tuple[int, int]) -> bool:
         """Whether the fish is in the centre quarter: the middle half across and down."""
@@ -107,7 +113,7 @@ def follow(measurer: Callable[[tuple[int, int]], Measurer], chase: Chase, camera
         inside = bool(((place >= 0) & (place <= np.array(camera.size) - 1)).all())
         truth = (float(place[0]), float(place[1])) if inside else (float("nan"), float("nan"))
         yield Glimpse(k * dt, target, truth, float(np.linalg.norm(fish.position - sight.position)),
-                      (head.pan, head.tilt), tuple(vehicle.position.tolist()), shots[0].frame)
+                      (head.pan, head.tilt), tuple(vehicle.position.tolist()), tuple(s.frame for s in shots))
         rates, force = pilot.step(target, felt, dt)
         head.step(*rates, dt)
         vehicle.step(force, dt)

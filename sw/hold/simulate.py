@@ -72,7 +72,7 @@ class Moment:
     """One frame of a hold: time, reading, true offset from the station, and for pictures the frame and its features.
 
     `truth` is (forward, right, down, heading), metres and radians in the station's axes; `range_m` the true range;
-    `features` (n, 2) pixels where the reading puts them.
+    `features` (n, 2) pixels where the reading puts them; `level` the true roll and pitch.
     """
 
     time: float
@@ -81,6 +81,7 @@ class Moment:
     range_m: float
     frame: Picture
     features: Array
+    level: tuple[float, float] = (0.0, 0.0)
 
     @property
     def row(self) -> tuple[float, ...]:
@@ -151,7 +152,8 @@ def hold(measurer: Callable[[tuple[int, int]], Measurer], scenario: Scenario, ca
         reading, force = keeper.step(taken.view(shot.frame), sensed, dt)
         off = vehicle.position - home
         truth = (float(off[0]), float(off[1]), float(off[2]), float(vehicle.attitude[2]))
-        yield Moment(k * dt, reading, truth, true_range - float(off[2]), shot.frame, meter.features_at(level))
+        yield Moment(k * dt, reading, truth, true_range - float(off[2]), shot.frame, meter.features_at(level),
+                     (float(vehicle.attitude[0]), float(vehicle.attitude[1])))
         outside = np.zeros(6)
         if s.shoved and s.shoved[0] <= vehicle.time < s.shoved[1]:
             outside[:3] = vehicle.turn.T @ np.array([*s.shove, 0.0])
