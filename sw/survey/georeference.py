@@ -17,7 +17,7 @@ from sw.errors import SignumError
 from sw.geometry import Similarity
 from sw.mosaic import Pose
 from sw.sources import Picture
-from sw.survey.accuracy import Track, align
+from sw.survey.accuracy import Complex, Track, align
 
 PIXEL_SCALE, TIEPOINT, GEO_KEYS, GEO_TEXT, NO_DATA = 33550, 33922, 34735, 34737, 42113
 """TIFF tags: ModelPixelScaleTag, ModelTiepointTag, GeoKeyDirectoryTag, GeoAsciiParamsTag, GDAL_NODATA."""
@@ -25,6 +25,9 @@ MODEL_TYPE, RASTER_TYPE, CITATION, PROJECTED, UNITS = 1024, 1025, 1026, 3072, 30
 """GeoKeys: GTModelType, GTRasterType, GTCitation, ProjectedCRS, ProjLinearUnits."""
 PROJECTED_MODEL, PIXEL_IS_AREA, USER_DEFINED, METRE = 1, 1, 32767, 9001
 OUTLIER = 3.0
+"""Times the usual distance at which a fix is left out."""
+PAIRED = 40
+"""Fixes tried in pairs."""
 
 
 @dataclass(frozen=True)
@@ -82,15 +85,30 @@ def by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
                           f"{', '.join(p.frame for p in poses[:3])}, ...")
     z = np.array([complex(p.x_px, p.y_px) for p in known])
     w = np.array([log.positions[p.frame] for p in known])
-    good = np.ones(len(z), bool)
+    onto = _least_median(z, w)
     for _ in range(10):
-        onto = align(z[good], w[good])
         off = np.abs(onto.factor * z + onto.shift - w)
-        kept = off <= OUTLIER * max(1.4826 * float(np.median(off)), 1e-9)
-        if kept.sum() < max(2, len(z) // 2) or (kept == good).all():
+        good = off <= OUTLIER * max(1.4826 * float(np.median(off)), 1e-9)
+        better = align(z[good], w[good])
+        if better == onto:
             break
-        good = kept
-    return Georeference(onto, "navigation log, metres", epsg, float(np.sqrt(np.mean(off[good] ** 2))))
+        onto = better
+    off = np.abs(onto.factor * z + onto.shift - w)[good]
+    return Georeference(onto, "navigation log, metres", epsg, float(np.sqrt(np.mean(off**2))))
+
+
+def _least_median(z: Complex, w: Complex) -> Similarity:
+    """The similarity through two points whose median miss is least: half of the fixes may be wrong."""
+    chosen = np.unique(np.linspace(0, len(z) - 1, min(len(z), PAIRED)).astype(int))
+    best, least = align(z, w), np.inf
+    for i in chosen:
+        for j in chosen[chosen > i]:
+            if z[i] != z[j] and w[i] != w[j]:
+                factor = complex((w[j] - w[i]) / (z[j] - z[i]))
+                miss = float(np.median(np.abs(factor * (z - z[i]) - (w - w[i]))))
+                if miss < least:
+                    best, least = Similarity(factor, complex(w[i] - factor * z[i])), miss
+    return best
 
 
 def world_of(mosaic: Mosaic, geo: Georeference) -> tuple[float, float, float]:
