@@ -66,7 +66,7 @@ def simulate(
     """Render the simulated world to try the other commands on: `left.mp4` (and `right.mp4`), `truth.csv`, and the
     cameras as `calibration.yaml`.
 
-    Example: `signum simulate survey --seconds 60 --pictures --out out/sea && signum mosaic out/sea/left`
+    Example: `signum simulate survey --seconds 60 --rate 2 --pictures --out out/sea`
     """
     if stereo and kind in (Kind.hold, Kind.terrain):
         raise SignumError(f"{kind} is seen by one camera: leave --stereo out, or take survey, drift or midwater")

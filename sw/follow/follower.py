@@ -18,6 +18,8 @@ from sw.stereo import measure_range
 TEMPLATE_RULES = Rules(min_score=0.66, min_margin=0.04, texture=False)
 TEMPLATE = 48
 REACH = 20
+STAYS_PX = 50.0
+"""By how much a blob not yet taken for a fish may move from frame to frame, the camera's turning aside."""
 GATE_PX = 90.0
 """How far from where it is expected a followed blob may turn up."""
 
@@ -83,7 +85,7 @@ class RangeEye:
         self.live: View | None = None
         self.before: View | None = None
 
-    def look(self, frames: Sequence[Picture], moved: tuple[float, float]) -> Segmented | None:
+    def look(self, frames: Sequence[Picture], moved: tuple[float, float]) -> Segmented:
         """See `Eye`; takes a rectified pair."""
         left, right = self.measurer.pair(frames[0], frames[1])
         found = measure_range(self.measurer, left, right, self.disparities, (self.window, self.window), self.step, None,
@@ -136,6 +138,7 @@ class Follower:
     _without: int = field(init=False, default=0)
     _kept: int = field(init=False, default=0)
     _shown: int = field(init=False, default=0)
+    _sighting: Blob | None = field(init=False, default=None, repr=False)
 
     def step(self, frames: Sequence[Picture], moved: tuple[float, float] = (0.0, 0.0),
              expected: tuple[float, float] | None = None) -> Target:
@@ -153,7 +156,7 @@ class Follower:
         blob = None if seen is None else one_blob(seen, None if last.lost else (x, y))
         if blob is not None and not last.lost and math.hypot(blob.x - x, blob.y - y) > GATE_PX:
             blob = None
-        self._shown = self._shown + 1 if blob is not None else 0
+        self._shown = self._sighted(blob, moved)
         if blob is not None and blob.sure and not (last.lost and self._shown < self.confirm):
             self._without = self._kept = 0
             self._set(Target(State.SEEN, blob.x, blob.y, blob.range_m, blob, seen))
@@ -169,6 +172,14 @@ class Follower:
             self._without, self._kept, self._moving = 0, 0, (0.0, 0.0)
             self.target = Target(State.LOST, last.x, last.y, seen=seen)
         return self.target
+
+    def _sighted(self, blob: Blob | None, moved: tuple[float, float]) -> int:
+        """In how many frames in a row a blob has been there, each time where it was before."""
+        before, self._sighting = self._sighting, blob
+        if blob is None:
+            return 0
+        stays = before is not None and math.hypot(blob.x - before.x - moved[0], blob.y - before.y - moved[1]) < STAYS_PX
+        return self._shown + 1 if stays else 1
 
     def _set(self, target: Target) -> None:
         if not self.target.lost:

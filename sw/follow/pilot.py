@@ -23,8 +23,8 @@ HEAD_GAIN = 4.0
 """Rate of the head per angle it is off, 1/s: at ten frames a second well damped."""
 SWEEP = 0.35
 """Rate of the search, rad/s: seven degrees more or less every third of a second, so frames still overlap by far."""
-GROWTH = 0.12
-"""By how much the search's ellipse grows, radians a turn of one radian about its middle... per second."""
+GROWTH = 0.06
+"""By how much the search's ellipse grows, radians a second: less than a view's width from one turn to the next."""
 
 
 class Where(StrEnum):

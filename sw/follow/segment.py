@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from sw.calibration import StereoGeometry
 from sw.flow import FlowField
@@ -25,6 +27,8 @@ NEAR_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=1.0)
 """For disparities: a window on the outline of a fish may answer either way, contiguity is the second opinion."""
 FLOW_RULES = Rules(min_score=0.62, min_margin=0.03, backward=False, texture=False)
 """For flow: what is wrong alone is dropped as no contiguous blob."""
+SAME_RANGE = 0.08
+"""Relative difference of range within one blob, from window to window."""
 AROUND_PX = 70.0
 """How far from where the fish is expected a changed window may be part of it."""
 DOMINANT_PX = 1.0
@@ -97,6 +101,19 @@ def by_motion(field: FlowField, size: tuple[int, int], disagree_px: float = 1.5)
     return Segmented(field.x, field.y, fish, known, changed, np.full(known.shape, np.nan))
 
 
+def _connected(fish: Mask, range_m: Float) -> tuple[int, NDArray[np.int64]]:
+    """How many contiguous sets of windows there are, and each window's, -1 for none. Neighbours whose ranges differ are
+    apart: snow flakes side by side are no fish."""
+    rows, columns = np.nonzero(fish)
+    near = np.log(range_m[rows, columns])
+    joined = ((np.abs(rows[:, None] - rows) <= 1) & (np.abs(columns[:, None] - columns) <= 1)
+              & ~(np.abs(near[:, None] - near) > SAME_RANGE))
+    count, found = connected_components(csr_array(joined), directed=False)
+    labels = np.full(fish.shape, -1, np.int64)
+    labels[rows, columns] = found
+    return int(count), labels
+
+
 def one_blob(seen: Segmented, near: tuple[float, float] | None = None, least: int = LEAST_WINDOWS) -> Blob | None:
     """The contiguous blob of fish windows (corners touch) that is kept: the largest, or of several the one that is
     large for its distance from `near`, to which changed windows around belong too.
@@ -112,10 +129,10 @@ def one_blob(seen: Segmented, near: tuple[float, float] | None = None, least: in
     if near is not None:
         around = np.hypot(*np.meshgrid(seen.x - near[0], seen.y - near[1])) < AROUND_PX
         fish = fish | (seen.changed & around)
-    count, labels = cv2.connectedComponents(fish.astype(np.uint8), connectivity=8)
+    count, labels = _connected(fish, seen.range_m)
     step = float(seen.x[1] - seen.x[0]) if seen.x.size > 1 else 1.0
     best: tuple[float, Blob] | None = None
-    for label in range(1, count):
+    for label in range(count):
         mask = np.asarray(labels == label)
         rows, columns = np.nonzero(mask)
         if len(rows) < least:

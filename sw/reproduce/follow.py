@@ -23,7 +23,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     """Both chases at length, and a short one in each of which the fish darts out of view."""
     sections = []
     for where in Where:
-        sections.append(_chase(open_board, out, Chase(where, 15.0 if quick else 300.0, seed=seed), progress))
+        sections.append(_chase(open_board, out, Chase(where, 12.0 if quick else 300.0, seed=seed), progress))
         if not quick:
             dart = (0.0, 3.0, 0.0) if where is Where.MIDWATER else (2.0, 2.0, 0.0)
             sections.append(_chase(open_board, out, Chase(where, 45.0, darts=(10.0,), dart=dart, seed=seed), progress))

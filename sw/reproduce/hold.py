@@ -20,7 +20,7 @@ SIGMA = 2.0
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
     """A hold at the paper's conditions, and how its controller is tuned."""
-    seconds = 45.0 if quick else 600.0
+    seconds = 30.0 if quick else 600.0
     scenario = Scenario(seconds, occluded=(0.3 * seconds, 0.3 * seconds + 3), seed=seed,
                         shoved=None if quick else (400.0, 403.0))
     folder = out / "hold"
