@@ -315,11 +315,12 @@ class Survey:
             by: the link that has just placed it, which the solution does not know yet.
         """
         wanted = []
+        order = {stored: k for k, stored in enumerate(piece.stored)}
         here = piece.places[name]
         middle = here(np.array(self.centre))
         reach = math.hypot(*self.size) * here.scale
         for other in piece.stored:
-            pair = self._pair(piece, other, name)
+            pair = (other, name) if order[other] < order[name] else (name, other)
             if other == name or (by is not None and other == by.frame_a) or pair in self._tried:
                 continue
             there = piece.places[other]
@@ -330,12 +331,6 @@ class Survey:
                 wanted.append((share, pair))
         wanted.sort(key=lambda one: -one[0])
         return sum(self._try(piece, pair, by) for _, pair in wanted[: self.settings.proposals])
-
-    @staticmethod
-    def _pair(piece: Piece, one: str, other: str) -> tuple[str, str]:
-        """Two frames in the order in which they came."""
-        order = {name: i for i, name in enumerate(piece.stored)}
-        return (one, other) if order[one] < order[other] else (other, one)
 
     def _try(self, piece: Piece, pair: tuple[str, str], by: Link | None) -> bool:
         """Measure a proposed link of a piece, and believe it if it lands where the poses allow."""
@@ -469,8 +464,9 @@ class Survey:
             return
         for piece in list(self.pieces):
             for _ in range(3):
+                linked = {(link.frame_a, link.frame_b) for link in self.accepted}
                 for pair, before in list(self._tried.items()):
-                    if pair[0] in piece.places and pair[1] in piece.places and not self._linked(pair):
+                    if pair[0] in piece.places and pair[1] in piece.places and pair not in linked:
                         now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
                         off = float(np.hypot(*(now(np.array(self.centre)) - before(np.array(self.centre)))))
                         if off > self.settings.relief * max(self.size):
@@ -482,9 +478,6 @@ class Survey:
                 if not found:
                     break
                 self._solve(piece)
-
-    def _linked(self, pair: tuple[str, str]) -> bool:
-        return any({link.frame_a, link.frame_b} == set(pair) for link in self.accepted)
 
     def poses(self, piece: Piece) -> list[Pose]:
         """Poses of a piece's frames, in order."""
