@@ -14,7 +14,7 @@ from sw.boards import BOARDS, open_board
 from sw.commands.common import notes, out, progress
 from sw.page import Section, paragraph, table, write_page
 from sw.reproduce import Maker
-from sw.reproduce.sections import makers
+from sw.reproduce.sections import MAKERS
 from sw.tables import Table
 
 BARS = "section", "figure", "measured", "relation", "bound", "met"
@@ -91,7 +91,7 @@ def run(chosen: dict[str, Maker], board: str, folder: Path, seed: int, quick: bo
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Returns the exit status: 0, 1 where a bar is missed or a section failed, 130 when stopped."""
-    known = makers()
+    known = MAKERS
     parser = argparse.ArgumentParser(prog="python -m sw.reproduce", description="The paper's figures and tables.")
     parser.add_argument("--board", choices=BOARDS, default="golden")
     parser.add_argument("--out", type=Path, default=Path("out/reproduce"), help="folder; made if missing")

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from importlib.util import find_spec
+from sw.reproduce import Maker, filter, flow, follow, hold, mosaics, navigate, stereo, survey, tracking
 
-from sw.reproduce import Maker
-
-NAMES = ("filter", "flow", "tracking", "stereo", "hold", "follow", "mosaics", "survey", "navigate")
-
-
-def makers() -> dict[str, Maker]:
-    """Makers by name."""
-    return {name: import_module(f"sw.reproduce.{name}").make for name in NAMES if find_spec(f"sw.reproduce.{name}")}
+MAKERS: dict[str, Maker] = {
+    "filter": filter.make, "flow": flow.make, "tracking": tracking.make, "stereo": stereo.make, "hold": hold.make,
+    "follow": follow.make, "mosaics": mosaics.make, "survey": survey.make, "navigate": navigate.make}

@@ -10,12 +10,12 @@ from sw.golden_board import GoldenBoard
 from sw.page import Bar, Section
 from sw.reproduce import Maker, OpenBoard, Progress
 from sw.reproduce import __main__ as command
-from sw.reproduce.sections import makers
+from sw.reproduce.sections import MAKERS
 
 
-@pytest.mark.parametrize("name", list(makers()))
+@pytest.mark.parametrize("name", list(MAKERS))
 def test_short_version(name: str, tmp_path: Path) -> None:
-    sections = makers()[name](GoldenBoard, tmp_path, 0, True, progress)
+    sections = MAKERS[name](GoldenBoard, tmp_path, 0, True, progress)
     assert sections and all(section.title and section.html for section in sections)
     bars = [bar for section in sections for bar in section.bars]
     print("\n".join(str(bar) for bar in bars))
@@ -38,7 +38,7 @@ def _broken(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: 
     ({"broken": _broken, "good": _maker(0.5)}, 1, "failed: broken"), ({"nothing": _maker(float("nan"))}, 1, "MISSED")])
 def test_status_page_and_bars(parts: dict[str, Maker], status: int, says: str, tmp_path: Path,
                               monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(command, "makers", lambda: parts)
+    monkeypatch.setattr(command, "MAKERS", parts)
     assert command.main(["--out", str(tmp_path / "page"), "--seed", "3", "--quick"]) == status
     assert says in capsys.readouterr().out
     page = (tmp_path / "page" / "index.html").read_text()
@@ -53,6 +53,6 @@ def test_stopped_keeps_what_was_finished(tmp_path: Path, monkeypatch: pytest.Mon
     def stop(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "makers", lambda: {"good": _maker(0.5), "stop": stop})
+    monkeypatch.setattr(command, "MAKERS", {"good": _maker(0.5), "stop": stop})
     assert command.main(["--out", str(tmp_path), "--seed", "3", "--quick"]) == 130
     assert "shown" in (tmp_path / "index.html").read_text()
