@@ -15,6 +15,7 @@ from sw.navigate.chart import Chart
 from sw.navigate.draw import draw_path
 from sw.navigate.localise import Localiser
 from sw.navigate.simulate import PanTiltSite, Scene, Step, miss
+from sw.navigate.truth import random_target
 from sw.page import Bar, Section, figure, paragraph, plot, row, table
 from sw.reproduce import OpenBoard, Progress
 from sw.sources import Fit
@@ -61,7 +62,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
                 chart = site.survey(measurer, out / f"mosaic_{k}")
                 tell(f"mosaic of {floor}")
                 largest = board.config.max_width, board.config.max_height
-                localiser = Localiser(measurer, largest, Fit(site.redrawn.shown, site.redrawn.shown), chart)
+                localiser = Localiser(measurer, largest, Fit(site.size, site.size), chart)
                 rng = np.random.default_rng([seed, k, 21])
                 first = len(tally.ways)
                 for _ in range(targets):
@@ -106,9 +107,9 @@ def _maker(board: BoardBase) -> Callable[[tuple[int, int], float], Measurer]:
 
 
 def _go(site: PanTiltSite, chart: Chart, localiser: Localiser, rng: np.random.Generator, tally: Tally) -> None:
-    target, head = site.random_target(chart, rng), site.random_head(rng)
+    target, head = random_target(chart, site.size, rng), site.random_head(rng)
     way = list(site.go(localiser, target, head))
-    view = site.redrawn.shown[0]
+    view = site.size[0]
     errors = [float(np.hypot(*step.truth)) / view for step in way]
     final = max(errors[-SETTLED:])
     tally.finals.append(final)
@@ -124,7 +125,7 @@ def _kidnap(site: PanTiltSite, chart: Chart, localiser: Localiser, rng: np.rando
     site.world.step(1.0)
     tally.kidnaps += 1
     if place.known:
-        off = miss(site, chart, place, head) / site.redrawn.shown[0]
+        off = miss(site, chart, place, head) / site.size[0]
         tally.wrong += off > WRONG
         tally.recovered += off <= WRONG
         tally.misses.append(off)
@@ -133,8 +134,8 @@ def _kidnap(site: PanTiltSite, chart: Chart, localiser: Localiser, rng: np.rando
 def _picture(chart: Chart, site: PanTiltSite, way: list[Step]) -> str:
     last = way[-1].aim.place.similarity
     centres = [step.aim.place.centre for step in way]
-    target = None if last is None else tuple(last(way[-1].aim.error + (np.array(site.redrawn.shown) - 1) / 2))
-    return figure(draw_path(chart, centres, last, site.redrawn.shown, target), "way (yellow), last view, target (red)")
+    target = None if last is None else tuple(last(way[-1].aim.error + (np.array(site.size) - 1) / 2))
+    return figure(draw_path(chart, centres, last, site.size, target), "way (yellow), last view, target (red)")
 
 
 def _plot(tally: Tally) -> str:
