@@ -45,6 +45,7 @@ class Settings(ColumnSettings):
     Attributes:
         loops: whether links beside the sequence are looked for.
         overlap: least predicted overlap at which a link is proposed, share of a frame.
+        apart: least distance of two frames that are both linked to a third, share of the frame's shorter side.
         proposals: most links proposed for a frame.
         share: least share of the windows that must agree on a proposed link: where it ought to be is known, so less
             than for a link of the sequence would be chance or two layers of relief.
@@ -57,6 +58,7 @@ class Settings(ColumnSettings):
 
     loops: bool = True
     overlap: float = 0.15
+    apart: float = 0.1
     proposals: int = 8
     share: float = 0.6
     agreed: int = 6
@@ -125,6 +127,7 @@ class Survey:
         """Why `ground` could not be told, after `close`."""
         self._every, self._seen_at, self._look_took = every, time.monotonic(), 0.0
         self._thumbs: dict[str, Picture] = {}
+        self._partners: dict[str, set[str]] = {}
         self._tried: dict[tuple[str, str], Similarity] = {}
         self._doubtful: list[Link] = []
         self._lost = 0
@@ -290,9 +293,15 @@ class Survey:
 
     def _note(self, link: Link) -> Link:
         """Record a link."""
-        self.links.append(link)
+        self._know(link)
         self._write(link.row)
         return link
+
+    def _know(self, link: Link) -> None:
+        self.links.append(link)
+        if link.accepted and link.kind != LIVE:
+            self._partners.setdefault(link.frame_a, set()).add(link.frame_b)
+            self._partners.setdefault(link.frame_b, set()).add(link.frame_a)
 
     def _write(self, row: Sequence[object]) -> None:
         # A row goes to the disk in one piece, its newline with it.
@@ -330,7 +339,20 @@ class Survey:
             if share >= self.settings.overlap:
                 wanted.append((share, pair))
         wanted.sort(key=lambda one: -one[0])
-        return sum(self._try(piece, pair, by) for _, pair in wanted[: self.settings.proposals])
+        # Where frames lie close, links to two that are side by side say the same: they are to come from all around.
+        near = self.settings.apart * min(self.size) * here.scale
+        taken = [piece.places[partner](np.array(self.centre)) for partner in self._partners.get(name, ())
+                 if partner in piece.places]
+        room = self.settings.proposals
+        found = 0
+        for _, pair in wanted:
+            at = piece.places[pair[0] if pair[1] == name else pair[1]](np.array(self.centre))
+            if room and all(np.hypot(*(at - other)) >= near for other in taken):
+                room -= 1
+                if self._try(piece, pair, by):
+                    taken.append(at)
+                    found += 1
+        return found
 
     def _try(self, piece: Piece, pair: tuple[str, str], by: Link | None) -> bool:
         """Measure a proposed link of a piece, and believe it if it lands where the poses allow."""
@@ -560,7 +582,7 @@ class Survey:
     def _take(self, link: Link) -> None:
         """Take in a link measured before a crash."""
         a, b = link.frame_a, link.frame_b
-        self.links.append(link)
+        self._know(link)
         if link.kind == LIVE or (link.accepted and link.kind == SEQUENCE):
             self.done.add(b)
         if link.kind in (LOOP, JOIN) or link.accepted:
