@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from itertools import count
 from pathlib import Path
 from typing import Annotated
@@ -37,6 +38,14 @@ from sw.navigate.pilot import Aim, Pilot
 from sw.sources import Fit, open_source
 from sw.tables import GOTO, NAVIGATE, Table
 
+
+class Simulated(StrEnum):
+    """What carries a simulated camera."""
+
+    pan_tilt = "pan-tilt"
+    vehicle = "vehicle"
+
+
 SIMULATED = "simulated.txt"
 """Marks a mosaic that may be simulated anew."""
 EVERY = 30
@@ -63,19 +72,20 @@ def navigate(
                                         "everywhere each time.")] = True,
     any_heading: Annotated[bool, typer.Option("--any-heading", help="The camera may be turned any way against the "
                                               "mosaic.")] = False,
-    simulate: Annotated[bool, typer.Option("--simulate", help="A simulated pan/tilt surveys its floor, is turned away, "
-                                           "and goes --goto.")] = False,
+    simulate: Annotated[Simulated | None, typer.Option(
+        "--simulate", help="A simulated camera surveys its floor, is taken somewhere else, and goes --goto: on a "
+        "pan/tilt, or on a vehicle in a current.", show_default=False)] = None,
     seed: Annotated[int, typer.Option("--seed", help="Of the simulated world.")] = 0,
 ) -> None:
     """Find frames in a finished mosaic: `navigate.csv`, `path.png`, `report.html`; or look at a place of it.
 
     Example: `signum navigate out/mosaic dive2.mp4 --goto 420,310 --out out/navigate`
     """
-    if simulate == (source is not None):
-        raise SignumError("give a SOURCE of recorded frames, or --simulate")
+    if (simulate is None) == (source is None):
+        raise SignumError("give a SOURCE of recorded frames, or --simulate pan-tilt (or vehicle)")
     with board_of(board, window) as b:
-        if simulate:
-            _simulated(b, mosaic, output, goto, seed)
+        if simulate is not None:
+            _simulated(b, simulate, mosaic, output, goto, seed)
         else:
             limits = Limits(turns_deg=ANY_HEADING) if any_heading else Limits()
             _recorded(b, Chart.load(mosaic), str(source), output, sigma, window, calibration, goto, prior, limits)
@@ -146,29 +156,33 @@ def _recorded(board: BoardBase, chart: Chart, source: str, output: Path, sigma: 
     out.print(f"{output / 'navigate.csv'}: {found} of {len(log.places)} frames found")
 
 
-def _simulated(board: BoardBase, mosaic: Path, output: Path, goto: str | None, seed: int) -> None:
-    from sw.navigate.simulate import SIGMA, WINDOW, PanTiltSite, Scene, Step
+def _simulated(board: BoardBase, kind: Simulated, mosaic: Path, output: Path, goto: str | None, seed: int) -> None:
+    from sw.navigate.simulate import PanTiltSite, Scene, Step
+    from sw.navigate.truth import SIGMA, WINDOW
+    from sw.navigate.vehicle import Dive, VehicleSite
 
     if (mosaic / "mosaic.png").exists() and not (mosaic / SIMULATED).exists():
         raise SignumError(f"{mosaic}: holds a mosaic that was not simulated; give another folder for the simulated one")
-    site = PanTiltSite(Scene(seed=seed))
+    site = PanTiltSite(Scene(seed=seed)) if kind is Simulated.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
-    (mosaic / SIMULATED).write_text(f"seed {seed}\n", encoding="utf-8")
-    notes.print(f"simulated pan/tilt, seed {seed}")
+    (mosaic / SIMULATED).write_text(f"{kind}, seed {seed}\n", encoding="utf-8")
+    notes.print(f"simulated {kind}, seed {seed}")
     with progress("survey", None) as tell:
         chart = site.survey(lambda s, wide: Measurer(board, s, wide), mosaic, tell)
     if goto is None:
         out.print(f"{mosaic / 'mosaic.png'}: {chart.size[0]}x{chart.size[1]}; choose a place of it with --goto X,Y")
         return
     target = chart.place(goto)
-    size = site.redrawn.shown
+    size = site.size
     localiser = _localiser(board, Fit(size, size), chart, WINDOW, SIGMA, Limits())
-    head = site.random_head(np.random.default_rng([seed, 22]))
+    rng = np.random.default_rng([seed, 22])
+    way = (site.go(localiser, target, site.random_head(rng)) if isinstance(site, PanTiltSite)
+           else site.go(localiser, target, site.random_start(rng)))
     log, names = _Log(output, chart, target), count()
     last: Step | None = None
     try:
         with progress("look at that", None) as tell:
-            for last in site.go(localiser, target, head):
+            for last in way:
                 log.write(str(next(names)), size, last.aim)
                 cv2.imwrite(str(output / "view.png"), last.frame)
                 tell(_said(last.aim))
