@@ -50,7 +50,7 @@ def _one_line(result: Result, status: int = 1) -> str:
     return lines[0]
 
 
-@pytest.mark.parametrize("command", ["filter", "track", "mosaic", "info", "demo"])
+@pytest.mark.parametrize("command", ["filter", "track", "mosaic", "info", "demo", "stereo", "flow", "navigate"])
 def test_every_command_takes_the_common_options_and_gives_an_example(command: str) -> None:
     result = _run(command, "--help")
     text = re.sub(r"\x1b\[[0-9;]*m", "", result.output)

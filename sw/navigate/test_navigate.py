@@ -17,8 +17,9 @@ from sw.golden_board import GoldenBoard
 from sw.measure import Measurer
 from sw.navigate.chart import Chart, ChartError
 from sw.navigate.conformal import Conformal
-from sw.navigate.localise import ANY_HEADING, Limits, Localiser
-from sw.navigate.pilot import PanTiltSteering, Pilot
+from sw.navigate.localise import ANY_HEADING, Limits, Localiser, Place
+from sw.navigate.pilot import Aim, PanTiltSteering, Pilot
+from sw.navigate.vehicle import VehicleSteering
 from sw.sources import Fit
 from sw.world.seafloor import photograph
 
@@ -120,6 +121,22 @@ def test_looking_at_a_place_closes_in_on_it(floor: NDArray[np.uint8]) -> None:
         errors.append(float(np.hypot(*(at - target))))
     assert errors[23] < 1.0
     assert errors[25] > 80 and errors[-1] < 1.0, "lost, found, and back"
+
+
+@pytest.mark.parametrize(("error", "place", "axis", "sign"), [
+    ((30.0, 0.0), Similarity(), 1, 1), ((0.0, -30.0), Similarity(), 0, 1),
+    ((0.0, 0.0), Similarity.of(scale=1.05), 2, 1), ((0.0, 0.0), Similarity.of(rot_deg=4.0), 5, -1)])
+def test_the_vehicle_is_pushed_the_right_way(error: tuple[float, float], place: Similarity, axis: int, sign: int
+                                             ) -> None:
+    """Right of the middle, ahead, too high, turned to the right: force to the right, ahead, down, turn to the left."""
+    steering = VehicleSteering(focal=400.0, range_m=2.0)
+    aim = Aim(Place(place, (0.0, 0.0), 0.9, 90), np.array(error), True)
+    for _ in range(3):
+        forces = steering.forces(aim, (0.0, 0.0), 0.1)
+    assert sign * forces[axis] > 0.5 and np.delete(forces, axis) == pytest.approx(np.zeros(5), abs=1e-6)
+    tilted = VehicleSteering(focal=400.0, range_m=2.0).forces(
+        Aim(Place(Similarity(), (0.0, 0.0), 0.9, 90), np.array([0.0, -400 * np.tan(0.05)]), True), (0.0, -0.05), 0.1)
+    assert tilted == pytest.approx(np.zeros(6), abs=1e-6), "nose down by as much: it is right above"
 
 
 def test_conformal_pictures() -> None:
