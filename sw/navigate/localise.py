@@ -143,7 +143,7 @@ class Localiser:
         self._measurer = None
         guesses = self._coarse.candidates(live, limits.turns_deg, limits.convinced, limits.rot_deg, limits.zoom,
                                           limits.candidates)
-        found = sorted((self._look(live, guess) for guess in guesses), key=lambda f: -f.agreed)
+        found = sorted((self._look(live, guess, True) for guess in guesses), key=lambda f: -f.agreed)
         good = [f for f in found if self._good(f, True)]
         if any(self._apart(good[0], other) for other in good[1:]):
             return Place(agreed=good[0].agreed, tried=good[0].tried, reason="two places answer")
@@ -200,11 +200,12 @@ class Localiser:
         confidence = max(1, round(100 * share * min(1.0, (look.score - 0.5) / 0.25)))
         return Place(found, (float(x), float(y)), look.score, confidence, look.agreed, look.tried)
 
-    def _look(self, live: Picture, guess: Similarity) -> _Look:
-        """Compare a frame with what it should show; where that turns out to be turned or scaled, once more."""
+    def _look(self, live: Picture, guess: Similarity, twice: bool = False) -> _Look:
+        """Compare a frame with what it should show; where that turns out to be turned or scaled, once more: and `twice`
+        in any case where the guess is a rough one, whose searches may have ended short of half the windows."""
         look = self._compare(live, guess)
         change = guess.inverse @ look.similarity
-        if look.agreed >= 3 and (abs(change.rot_deg) > STRAIGHT_DEG or abs(change.scale - 1) > STRAIGHT_ZOOM
+        if look.agreed >= 3 and (twice or abs(change.rot_deg) > STRAIGHT_DEG or abs(change.scale - 1) > STRAIGHT_ZOOM
                                  or not self._good(look, True)):
             again = self._compare(live, look.similarity)
             look = again if again.agreed >= look.agreed else look
