@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from sw.golden_board import GoldenBoard
+from sw.hold.keeper import Axes, Sensed, StationKeeper
 from sw.hold.mavlink import MavlinkSink
 from sw.hold.meter import Level, Reading, StationMeter
 from sw.hold.simulate import Scenario, hold, judge
+from sw.hold.tuning import PEAK, peaks, tune
 from sw.measure import Measurer
 from sw.world.camera import Pinhole
 from sw.world.seafloor import Seafloor
@@ -88,3 +90,42 @@ def test_mavlink_is_received() -> None:
     assert got[0].position_delta == pytest.approx([0.1, -0.05, 0.01], abs=1e-6)
     assert got[0].confidence == 90
     assert got[3].confidence == 0 and list(got[3].position_delta) == [0.0, 0.0, 0.0]
+
+
+def test_mavlink_keeps_ten_a_second_whatever_the_frame_rate() -> None:
+    from pymavlink import mavutil
+
+    receiver = mavutil.mavlink_connection("udpin:127.0.0.1:0")
+    port = receiver.port.getsockname()[1]
+    with MavlinkSink(f"udpout:127.0.0.1:{port}") as sink:
+        for k in range(76):
+            sink.send(k / 25, Reading(0.01 * k, 0.0, 0.0, 1.0, 2.0, 80))
+        got = [receiver.recv_match(type="VISION_POSITION_DELTA", blocking=True, timeout=5) for _ in range(sink.sent)]
+    receiver.close()
+    assert 29 <= sink.sent <= 30
+    assert sum(g.position_delta[0] for g in got) == pytest.approx(0.01 * 25 * got[-1].time_usec / 1e6, abs=1e-5)
+    assert np.diff([g.time_usec for g in got]).max() <= 120000
+
+
+def test_the_gains_are_those_of_the_stated_method() -> None:
+    axes = Axes()
+    for axis, gains in zip(axes.axes, axes.tuned, strict=True):
+        assert max(peaks(axis, gains)) <= PEAK + 0.02
+        assert max(peaks(axis, (gains[0], 1.1 * gains[1], gains[2]))) > PEAK + 0.02
+    assert tune(axes.axes[3])[1] <= 1.02 * axes.tuned[3][1]
+    assert peaks(axes.axes[0], (500.0, 2000.0, 5.0))[0] == float("inf"), "an unstable loop"
+
+
+def test_a_reading_that_the_gyro_does_not_feel_has_no_confidence(world: World) -> None:
+    vehicle, shots = Vehicle(), []
+    for yaw in (0.0, 0.0, 0.03, 0.03):
+        vehicle.attitude = np.array([0.0, 0.0, yaw])
+        shots.append(world.look(CAMERA, DOWN.sight(vehicle)).frame)
+    for gyro, believed in ((0.3, True), (0.0, False), (None, True)):
+        meter = StationMeter(measurer(CAMERA.size), CAMERA.focal, 2.0)
+        meter.anchor(meter.measurer.view(shots[0]))
+        keeper = StationKeeper(meter)
+        rates = (0.0, gyro, 0.0) if gyro is not None else (None, None, None)
+        readings = [keeper.step(meter.measurer.view(frame), Sensed(yaw_rate=rate), 0.1)[0]
+                    for frame, rate in zip(shots[1:], rates, strict=True)]
+        assert [r.valid for r in readings] == [True, believed, believed]
