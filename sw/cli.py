@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 
-from sw.commands import demo, filter, flow, follow, hold, info, mosaic, navigate, report, simulate, stereo, track
+import typer
+
 from sw.commands.common import app
 
-__all__ = ["app", "demo", "filter", "flow", "follow", "hold", "info", "main", "mosaic", "navigate", "report",
-           "simulate", "stereo", "track"]
+COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate", "stereo",
+            "track")
+"""Names of the commands and of their modules in `sw.commands`."""
+
+
+def application(*commands: str) -> typer.Typer:
+    """The application with these commands, by default all; each brings libraries that take their time to load."""
+    for name in commands or COMMANDS:
+        importlib.import_module(f"sw.commands.{name}")
+    return app
 
 
 def main() -> None:
     """Entry point."""
+    asked = [name for name in sys.argv[1:2] if name in COMMANDS]
     try:
-        app()
+        application(*asked)()
     except BrokenPipeError:
         sys.exit(0)
 

@@ -12,11 +12,13 @@ from typer.testing import CliRunner, Result
 
 from golden import log
 from sw import demo
-from sw.cli import app
+from sw.cli import application
 from sw.commands import mosaic, track
 from sw.scene import Camera, Pose, gravel
 from sw.sources import ArraySource, Frame
 from sw.tables import TRACK
+
+app = application()
 
 SIZE = 192, 144
 

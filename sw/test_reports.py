@@ -13,7 +13,7 @@ import tifffile
 from typer.testing import CliRunner, Result
 
 from sw.calibration import CalibrationError
-from sw.cli import app
+from sw.cli import application
 from sw.errors import SourceError
 from sw.flow import FlowField, measure_flow
 from sw.golden_board import GoldenBoard
@@ -23,6 +23,8 @@ from sw.world.camera import LOOK_DOWN, Pinhole, Sight
 from sw.world.seafloor import Seafloor, photograph
 from sw.world.world import World
 from sw.world_source import WorldSource
+
+app = application()
 
 CAMERA = Pinhole((192, 144), 200.0)
 

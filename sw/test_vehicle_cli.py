@@ -14,7 +14,7 @@ from typer.testing import CliRunner, Result
 
 from golden.params import FULL
 from sw.board import BoardBase
-from sw.cli import app
+from sw.cli import application
 from sw.commands import follow as follow_command
 from sw.commands import hold as hold_command
 from sw.follow.pilot import Where
@@ -29,6 +29,8 @@ from sw.verilated_board import VerilatedBoard
 from sw.world.camera import LOOK_DOWN, Pinhole, Sight
 from sw.world.seafloor import Seafloor
 from sw.world.world import World
+
+app = application()
 
 SMALL = Pinhole((192, 144), 200.0)
 

@@ -22,6 +22,13 @@ app = typer.Typer(
     name="signum", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     help="Sign-of-LoG vision for underwater robots: filters, tracks and builds mosaics on a simulated board.")
+
+
+@app.callback()
+def _signum() -> None:
+    """A command's name is always asked for, even where only one is loaded."""
+
+
 LONGEST = 500
 """Characters of an error line: a tool's whole output is not for here."""
 P = ParamSpec("P")

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from typer.testing import CliRunner
 
-from sw.cli import app
+from sw.cli import application
 from sw.geometry import Similarity
 from sw.golden_board import GoldenBoard
 from sw.measure import Measurer
@@ -22,6 +22,8 @@ from sw.navigate.pilot import Aim, PanTiltSteering, Pilot
 from sw.navigate.vehicle import VehicleSteering
 from sw.sources import Fit
 from sw.world.seafloor import photograph
+
+app = application()
 
 SIZE = (256, 192)
 LARGEST = (640, 480)

@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from sw.board import BoardBase
-from sw.cli import app
+from sw.cli import application
 from sw.geometry import Similarity
 from sw.golden_board import GoldenBoard
 from sw.measure import Measurer
@@ -27,6 +27,8 @@ from sw.survey.shelf import ResumeError
 from sw.survey.simulate import Flown, Plan, fly
 from sw.survey.survey import Settings, Survey
 from sw.verilated_board import VerilatedBoard
+
+app = application()
 
 PLAN = Plan(rows=3, columns=3, size=(192, 144), focal=220.0, step=(0.5, 0.5), yaw_deg=2.0)
 KILLED = """
