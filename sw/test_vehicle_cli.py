@@ -33,6 +33,8 @@ from sw.world.world import World
 app = application()
 
 SMALL = Pinhole((192, 144), 200.0)
+LARGER = Pinhole((256, 192), 266.7)
+"""Fish over terrain are found by motion from this size on."""
 
 
 def _run(*arguments: str | Path) -> Result:
@@ -192,6 +194,7 @@ def _fly(board: BoardBase, what: str) -> list[object]:
         moments = list(hold(measurer, Scenario(1.5, occluded=(0.75, 0.95)), SMALL))
         assert {m.reading.valid for m in moments} == {True, False}
         return [(m.reading, m.truth) for m in moments]
-    glimpses = list(follow(measurer, Chase(Where(what), 0.5), SMALL))
+    terrain = Where(what) is Where.TERRAIN
+    glimpses = list(follow(measurer, Chase(Where(what), 1.0 if terrain else 0.5), LARGER if terrain else SMALL))
     assert any(g.target.blob is not None for g in glimpses)
     return [(g.target.state, g.target.x, g.target.y, g.truth, g.head, g.position) for g in glimpses]

@@ -160,7 +160,7 @@ def test_the_search_covers_the_surroundings_and_begins_again() -> None:
 
 
 def test_a_fish_that_darts_away_is_lost_and_found() -> None:
-    chase = Chase(Where.MIDWATER, 24.0, darts=(4.0,), seed=1)
+    chase = Chase(Where.MIDWATER, 26.0, darts=(4.0,), dart=(0.0, 4.0, 0.0), seed=1)
     rows = [Row.of(g, CAMERA) for g in follow(measurer, chase, CAMERA)]
     figures = judge(rows, settle=2.0)
     print(figures)
