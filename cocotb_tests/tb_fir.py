@@ -21,7 +21,7 @@ def windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
         for _ in range(60):
             # Borders half of the time: one side or both.
             beyond = [mask >> k << k if rng.getrandbits(1) else 0 for k in (rng.randint(0, radius), rng.randrange(4))]
-            yield {"valid_i": next(offer), "move_i": rng.randrange(4) > 0, "coef_i": coef,
+            yield {"valid_i": next(offer), "coef_i": coef,
                    "window_i": rng.getrandbits(p["DataW"] * taps), "edge_i": rng.getrandbits(p["DataW"]),
                    "beyond_old_i": beyond[run % 2], "beyond_new_i": beyond[1 - run % 2]}
         if run % 4 == 3:

@@ -8,7 +8,7 @@ from sim.runner import simulate
 PACKAGES = ["rtl/slog_pkg.sv", "rtl/slog_array_pkg.sv"]
 ARRAY = ["rtl/slog_lanes.sv", "rtl/slog_add_halves.sv", "rtl/slog_popcount.sv", "rtl/slog_accumulator.sv",
          "rtl/slog_emit.sv", "rtl/slog_array.sv"]
-OPERANDS = ["rtl/slog_ram.sv", "rtl/slog_search_ring.sv", "rtl/slog_operands.sv"]
+OPERANDS = ["rtl/slog_ram.sv", "rtl/slog_ring_slice.sv", "rtl/slog_search_ring.sv", "rtl/slog_operands.sv"]
 
 
 @pytest.mark.parametrize(("group_bits", "lanes"), [

@@ -4,5 +4,6 @@ from sim.runner import simulate
 
 
 def test_store() -> None:
-    simulate("slog_store", ["rtl/slog_store_pkg.sv", "rtl/slog_ram.sv", "rtl/slog_store.sv"], "cocotb_tests.tb_store",
+    simulate("slog_store", ["rtl/slog_store_pkg.sv", "rtl/slog_ram.sv", "rtl/slog_store_slice.sv",
+                            "rtl/slog_store.sv"], "cocotb_tests.tb_store",
              {"Width": 8, "Words": 1296, "BankWords": 512, "SliceW": 4})

@@ -32,8 +32,14 @@ class FilterBankModel:
         zeros = [0] * self.config.coefs
         self.staged = {0: list(zeros), 1: list(zeros)}
         self.active = {0: list(zeros), 1: list(zeros)}
-        self.settle, self.busy, self.error, self.changed = 0, 0, 0, 0
+        self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
+        self.follow: list[bool] = [False] * self.config.coefs  # [k]: coefficient k becomes active now
         self.size = (self.config.max_width, self.config.max_height)
+
+    @property
+    def busy(self) -> int:
+        """A commit waits, or its coefficients follow."""
+        return int(self.pending or any(self.follow))
 
     def coefs(self, second: int) -> int:
         """The packed active coefficients."""
@@ -43,21 +49,23 @@ class FilterBankModel:
              active: int) -> None:
         """Take the clock edge."""
         c = self.config
-        apply = self.busy and self.settle == SETTLE and not active
+        apply = bool(self.pending and self.settle == SETTLE and not active)
         self.changed = 0
-        staged = {k: list(v) for k, v in self.staged.items()} if apply else None
+        for k, now in enumerate(self.follow):
+            for kernel in (0, 1) if now else ():
+                self.active[kernel][k] = self.staged[kernel][k]
+        self.follow = [apply, *self.follow[:-1]]
         if coef and index < c.coefs:
             self.staged[second][index] = value
-        self.settle = 0 if not self.busy or active else min(self.settle + 1, SETTLE)
+        self.settle = 0 if not self.pending or active else min(self.settle + 1, SETTLE)
         if apply:
-            assert staged is not None
-            self.busy, self.active = int(commit), staged
+            self.pending = int(commit)
             good = c.min_image <= size[0] <= c.max_width and c.min_image <= size[1] <= c.max_height
             self.error = int(not good)
             if good:
                 self.changed, self.size = int(size != self.size), size
         elif commit:
-            self.busy = 1
+            self.pending = 1
 
 
 class PeekModel:

@@ -50,7 +50,7 @@ def replace_border(window: Sequence[int | None], edge: int | None, old: int, new
 
 
 class LineBufferModel:
-    """A column of the last `2 * radius` lines per pixel, 4 clocks later; outputs keep the last column."""
+    """A column of the last `2 * radius` lines per pixel, 4 clocks later; between columns the outputs are anything."""
 
     INPUTS = ("rst_i", "valid_i", "px_i", "col_i", "bottom_i", "dist_i")
     OUTPUTS = ("window_o", "edge_o", "beyond_old_o", "beyond_new_o")
@@ -66,8 +66,7 @@ class LineBufferModel:
         """Outputs of this clock, then the edge."""
         out = self.out
         done = self.pipe.pop()
-        if done:
-            self.out = done[2]
+        self.out = done[2] if done else dict.fromkeys(self.OUTPUTS)
         written = self.pipe[1]
         if written:
             self.lines[written[0]].append(written[1])
@@ -88,9 +87,9 @@ class LineBufferModel:
 
 
 class FirModel:
-    """Symmetric FIR; `row`: the window is kept here and moves with `move_i`. Sums keep their last value."""
+    """Symmetric FIR; `row`: the window is kept here and moves every clock. Sums keep their last value."""
 
-    INPUTS = ("rst_i", "move_i", "valid_i", "window_i", "edge_i", "beyond_old_i", "beyond_new_i", "coef_i")
+    INPUTS = ("rst_i", "valid_i", "window_i", "edge_i", "beyond_old_i", "beyond_new_i", "coef_i")
     OUTPUTS = ("sum_o",)
 
     def __init__(self, radius: int, data_bits: int, row: bool, kernels: int, sum_bits: int, bias: int) -> None:
@@ -107,7 +106,7 @@ class FirModel:
         if done:
             self.sum = done[0]
         self.pipe.appendleft((self._sums(i),) if i["valid_i"] else None)
-        if self.row and i["move_i"]:
+        if self.row:
             self.kept.append(i["window_i"])
         if i["rst_i"]:
             self.pipe = deque([None] * len(self.pipe))
@@ -145,7 +144,7 @@ class TapsModel:
     """Border control of the horizontal filters: where in the shifting window the line's ends are."""
 
     INPUTS = ("rst_i", "valid_i", "first_i", "last_i", "a_i", "b_i")
-    OUTPUTS = ("move_o", "a_new_o", "b_new_o", "valid_o", "a_edge_o", "b_edge_o", "beyond_old_o", "beyond_new_o")
+    OUTPUTS = ("a_new_o", "b_new_o", "valid_o", "a_edge_o", "b_edge_o", "beyond_old_o", "beyond_new_o")
 
     def __init__(self, radius: int) -> None:
         self.radius = radius
@@ -156,11 +155,10 @@ class TapsModel:
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         r, taps = self.radius, self.taps
-        move = int(i["valid_i"] or any(t.valid for t in taps[:r + 1]))
         old = next((d for d in range(r) if taps[r + d].first), r)  # distance from the centre to the line's first
         new = next((r - k for k in range(1, r + 1) if taps[k].last), r)
         out: Bits = {
-            "move_o": move, "a_new_o": taps[0].a, "b_new_o": taps[0].b, "valid_o": taps[r].valid,
+            "a_new_o": taps[0].a, "b_new_o": taps[0].b, "valid_o": taps[r].valid,
             "a_edge_o": self.edge[0], "b_edge_o": self.edge[1],
             "beyond_old_o": ((1 << r) - 1) >> old << old, "beyond_new_o": ((1 << r) - 1) >> new << new}
         if taps[r - 1].first:
@@ -169,9 +167,8 @@ class TapsModel:
             self.edge = (taps[0].a, taps[0].b)
         if i["valid_i"] and i["first_i"]:
             self.start = (i["a_i"], i["b_i"])
-        if move:
-            v = i["valid_i"]
-            self.taps = [_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]), *taps[:-1]]
+        v = i["valid_i"]
+        self.taps = [_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]), *taps[:-1]]
         if i["rst_i"]:
             self.taps = [_Tap(a=t.a, b=t.b) for t in self.taps]
         return out

@@ -11,7 +11,7 @@ def signed(value: int, bits: int) -> int:
 
 
 class MultModel:
-    """Signed 18 x 18 -> 36 bits in three registers with one enable; b, a coefficient, is taken over while it is low."""
+    """Signed 18 x 18 -> 36 bits in three registers; b, a coefficient, is taken over while the enable is low."""
 
     INPUTS = ("en_i", "a_i", "b_i")
     OUTPUTS = ("p_o",)
@@ -31,4 +31,5 @@ class MultModel:
             self.a = signed(i["a_i"], BITS)
         else:
             self.b = signed(i["b_i"], BITS)
+            self.a = self.product = self.out = None
         return {"p_o": out}

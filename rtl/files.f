@@ -11,6 +11,7 @@ slog_mult.sv
 slog_fifo.sv
 slog_clock_gate.sv
 slog_stage.sv
+slog_store_slice.sv
 slog_store.sv
 slog_align.sv
 slog_job_check.sv
@@ -18,6 +19,7 @@ slog_job_plan.sv
 slog_fetch.sv
 slog_walker.sv
 slog_sequencer.sv
+slog_ring_slice.sv
 slog_search_ring.sv
 slog_operands.sv
 slog_lanes.sv

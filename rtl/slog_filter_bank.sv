@@ -4,7 +4,8 @@
 // active ones and frames flow again. A staged size outside MinImage..MaxWidth x MaxHeight is not taken (size_error_o).
 // After reset all coefficients are 0 and the size is the largest.
 //
-// Latency    : commit to change is Settle + 2 clocks with idle cameras.
+// Latency    : commit to change is Settle + 2 clocks with idle cameras; coefficient k follows k + 1 clocks later, so that
+//              one enable need not reach them all, and busy_o falls after the last.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
 `include "slog_assert.svh"
 module slog_filter_bank #(
@@ -42,6 +43,7 @@ module slog_filter_bank #(
   logic [SettleW-1:0] settle_q;
   logic [9:0] width_q, height_q;
   logic busy_q, size_error_q, size_changed_q;
+  logic [Coefs-1:0] follow_q;
   logic apply, size_good;
 
   assign apply = busy_q && settle_q == SettleW'(Settle) && active_i == '0;
@@ -57,14 +59,20 @@ module slog_filter_bank #(
         if (coef_second_i) staged_g2_q[k] <= coef_value_i;
         else staged_g_q[k] <= coef_value_i;
       end
+      if (rst_i) begin
+        g_q[k]  <= '0;
+        g2_q[k] <= '0;
+      end else if (follow_q[k]) begin
+        g_q[k]  <= staged_g_q[k];
+        g2_q[k] <= staged_g2_q[k];
+      end
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      g_q            <= '0;
-      g2_q           <= '0;
       settle_q       <= '0;
+      follow_q       <= '0;
       width_q        <= 10'(MaxWidth);
       height_q       <= 10'(MaxHeight);
       busy_q         <= 1'b0;
@@ -72,12 +80,11 @@ module slog_filter_bank #(
       size_changed_q <= 1'b0;
     end else begin
       size_changed_q <= 1'b0;
+      follow_q       <= {follow_q[Coefs-2:0], apply};
       if (!busy_q || active_i != '0) settle_q <= '0;
       else if (settle_q != SettleW'(Settle)) settle_q <= settle_q + 1'b1;
       if (apply) begin
         busy_q       <= commit_i;
-        g_q          <= staged_g_q;
-        g2_q         <= staged_g2_q;
         size_error_q <= !size_good;
         if (size_good) begin
           width_q        <= width_i;
@@ -90,8 +97,8 @@ module slog_filter_bank #(
     end
   end
 
-  assign hold_o         = busy_q;
-  assign busy_o         = busy_q;
+  assign hold_o         = busy_o;
+  assign busy_o         = busy_q || follow_q != '0;
   assign size_error_o   = size_error_q;
   assign size_changed_o = size_changed_q;
   assign width_o        = width_q;

@@ -4,11 +4,11 @@
 // sum_o[k] = Bias + sum over d = 0..R of coef_i[k][d] * fold[d]
 //
 // The window comes whole (Row = 0), or the module keeps it (Row = 1): window_i is then the newest value, which window[2R]
-// is, and the rest follows by one place whenever move_i is high.
+// is, and the rest follows by one place a clock.
 //
 // Stages     : 1 replace, fold    2..4 multiply    then clog2(Radius + 2) levels of adders
 // Latency    : 4 + clog2(Radius + 2) clocks from valid_i, with the window and its border, to sum_o.
-// Throughput : one window per clock. Registers move only when something valid moves through them.
+// Throughput : one window per clock. sum_o holds until the next valid window's sum.
 // Formats    : window DataW <= 18 bits, two's complement if 18, else unsigned; fold modulo 2**18; coefficients 18-bit
 //              signed, constant while anything is under way; sums modulo 2**SumW, SumW <= 36.
 `include "slog_assert.svh"
@@ -26,7 +26,6 @@ module slog_fir #(
 ) (
     input  logic                               clk_i,
     input  logic                               rst_i,
-    input  logic                               move_i,
     input  logic                               valid_i,
     input  logic [InTaps-1:0][DataW-1:0]       window_i,
     input  logic [DataW-1:0]                   edge_i,
@@ -58,7 +57,7 @@ module slog_fir #(
   if (Row) begin : g_kept
     logic [DataW-1:0] kept_q[Taps-1];
     always_ff @(posedge clk_i) begin
-      if (move_i) for (int unsigned i = 0; i < Taps - 1; i++) kept_q[i] <= value[i+1];
+      for (int unsigned i = 0; i < Taps - 1; i++) kept_q[i] <= value[i+1];
     end
     for (genvar i = 0; i < Taps - 1; i++) begin : g_value
       assign value[i] = kept_q[i];
@@ -84,10 +83,8 @@ module slog_fir #(
 
   logic [17:0] fold_q[Radius+1];
   always_ff @(posedge clk_i) begin
-    if (valid_i) begin
-      fold_q[0] <= 18'(taken[Radius]);
-      for (int unsigned d = 1; d <= Radius; d++) fold_q[d] <= 18'(taken[Radius-d]) + 18'(taken[Radius+d]);
-    end
+    fold_q[0] <= 18'(taken[Radius]);
+    for (int unsigned d = 1; d <= Radius; d++) fold_q[d] <= 18'(taken[Radius-d]) + 18'(taken[Radius+d]);
   end
 
   for (genvar k = 0; k < Kernels; k++) begin : g_kernel
@@ -122,7 +119,11 @@ module slog_fir #(
             assign sum = SumW'(Bias);
           end
         end
-        always_ff @(posedge clk_i) if (valid_q[l+3]) sum_q <= sum;
+        if (l == Levels - 1) begin : g_out
+          always_ff @(posedge clk_i) if (valid_q[l+3]) sum_q <= sum;
+        end else begin : g_register
+          always_ff @(posedge clk_i) sum_q <= sum;
+        end
       end
     end
     assign sum_o[k] = g_level[Levels-1].g_node[0].sum_q;

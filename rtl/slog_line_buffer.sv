@@ -5,7 +5,7 @@
 // (bit d - 1: distance d from the centre, on the older / newer side), to be replaced by it.
 //
 // Stages     : 1, 2 line memory read    3 edge: one of eight, in each bank    4 edge: one of the banks
-// Latency    : 4 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window.
+// Latency    : 4 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window; in other clocks it is anything.
 // Throughput : one pixel per clock; a column comes again after 3 clocks at the earliest.
 // Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
 `include "slog_assert.svh"
@@ -14,8 +14,7 @@ module slog_line_buffer #(
     parameter  int unsigned Radius   = 8,
     localparam int unsigned Taps     = 2 * Radius + 1,
     localparam int unsigned ColW     = $clog2(MaxWidth),
-    localparam int unsigned DistW    = $clog2(Radius + 1),
-    localparam int unsigned Latency  = 4
+    localparam int unsigned DistW    = $clog2(Radius + 1)
 ) (
     input  logic              clk_i,
     input  logic              rst_i,
@@ -32,7 +31,7 @@ module slog_line_buffer #(
   localparam int unsigned Banks = Radius / 4;  // 8 lines a bank: 64 bits, one simulator word
   localparam int unsigned PosW  = $clog2(2 * Radius);
 
-  logic [Latency-2:0] valid_q;
+  logic [1:0]         valid_q;
   logic [ColW-1:0]    col_q, col_q2;
   logic [7:0]         px_q, px_q2, px_q3;
   logic [PosW-1:0]    pos_q, pos_q2;
@@ -46,7 +45,7 @@ module slog_line_buffer #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
-    else valid_q <= {valid_q[Latency-3:0], valid_i};
+    else valid_q <= {valid_q[0], valid_i};
   end
 
   // The border row is never the newest line, so it lies in one of the banks.
@@ -65,18 +64,14 @@ module slog_line_buffer #(
       old_q2 <= old_q;
       new_q2 <= new_q;
     end
-    if (valid_q[1]) begin
-      px_q3   <= px_q2;
-      bank_q3 <= pos_q2[PosW-1:3];
-      old_q3  <= old_q2;
-      new_q3  <= new_q2;
-    end
-    if (valid_q[2]) begin
-      window_q4 <= {px_q3, lines_q3};
-      edge_q4   <= edges_q3[{bank_q3, 3'b000}+:8];
-      old_q4    <= old_q3;
-      new_q4    <= new_q3;
-    end
+    px_q3     <= px_q2;
+    bank_q3   <= pos_q2[PosW-1:3];
+    old_q3    <= old_q2;
+    new_q3    <= new_q2;
+    window_q4 <= {px_q3, lines_q3};
+    edge_q4   <= edges_q3[{bank_q3, 3'b000}+:8];
+    old_q4    <= old_q3;
+    new_q4    <= new_q3;
   end
 
   for (genvar b = 0; b < Banks; b++) begin : g_bank
@@ -105,10 +100,8 @@ module slog_line_buffer #(
     logic [63:0] bank_lines_q3;
     logic [7:0]  bank_edge_q3;
     always_ff @(posedge clk_i) begin
-      if (valid_q[1]) begin
-        bank_lines_q3 <= lines;
-        bank_edge_q3  <= lines[{pos_q2[2:0], 3'b000}+:8];
-      end
+      bank_lines_q3 <= lines;
+      bank_edge_q3  <= lines[{pos_q2[2:0], 3'b000}+:8];
     end
     assign lines_q3[64*b+:64] = bank_lines_q3;
     assign edges_q3[8*b+:8]   = bank_edge_q3;

@@ -99,7 +99,6 @@ module slog_log #(
   ) u_vertical (
       .clk_i,
       .rst_i,
-      .move_i      (1'b0),
       .valid_i     (out_q[ToVertical-1]),
       .window_i    (column),
       .edge_i      (column_edge),
@@ -111,7 +110,7 @@ module slog_log #(
   assign smoothed = {vertical[0][23], vertical[0][7+:17]};
   assign curved   = {vertical[1][23], vertical[1][7+:17]};
 
-  logic              row_move, row_valid;
+  logic              row_valid;
   logic [17:0]       smoothed_new, smoothed_edge, curved_new, curved_edge;
   logic [Radius-1:0] row_old, row_new;
   slog_taps #(
@@ -125,7 +124,6 @@ module slog_log #(
       .last_i      (last_q[ToTaps-1]),
       .a_i         (smoothed),
       .b_i         (curved),
-      .move_o      (row_move),
       .a_new_o     (smoothed_new),
       .b_new_o     (curved_new),
       .valid_o     (row_valid),
@@ -147,7 +145,6 @@ module slog_log #(
   ) u_smoothed (
       .clk_i,
       .rst_i,
-      .move_i      (row_move),
       .valid_i     (row_valid),
       .window_i    (smoothed_new),
       .edge_i      (smoothed_edge),
@@ -166,7 +163,6 @@ module slog_log #(
   ) u_curved (
       .clk_i,
       .rst_i,
-      .move_i      (row_move),
       .valid_i     (row_valid),
       .window_i    (curved_new),
       .edge_i      (curved_edge),

@@ -3,14 +3,15 @@
 //   p = a * b
 //
 //   stage  registers
-//   1      operand a; b is a coefficient, taken over in any clock with en_i low
+//   1      operand a; b is a coefficient
 //   2      product
 //   3      product, output
-// Latency    : 3 clocks with en_i high, a's own the first.
+// Latency    : 3 clocks, in all of which, a's own the first, en_i is high.
 // Throughput : one product per clock.
-// Rules      : b_i keeps its value from the clock before en_i rises until en_i falls. a and the products hold while it is low.
+// Rules      : en_i low says that nothing under way is of any use, and p_o is anything until three clocks after: the
+//              simulator's work is spared, the twin does not care. b_i keeps its value from the clock before en_i
+//              rises until en_i falls.
 // Formats    : two's complement, 18 x 18 -> 36 bits, exact.
-// One enable: a block of four hard multipliers has room for four different ones, its own and its neighbours'.
 // Twin       : ecp5/slog_mult.sv is the same module on the ECP5's multiplier block.
 module slog_mult (
     input  logic               clk_i,

@@ -53,7 +53,7 @@ module slog_operands #(
   `SLOG_ASSERT_INIT(SlogOperandsLanes, 2 * (Lanes - 1) == GroupBits)
   `SLOG_ASSERT_INIT(SlogOperandsRing, 2 ** RingW == RingRows && RingW <= 8 && WordsPerRow <= 16)
 
-  logic keep_a, keep_b;
+  logic keep_a, keep_b, keep_a_q, keep_b_q;
   slog_search_ring #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_search (
       .clk_i,
       .wr_valid_i(wr_valid_i && !wr_tpl_i),
@@ -120,8 +120,10 @@ module slog_operands #(
       .rd_en_i(control_q3.valid), .rd_addr_i(tpl_addr_q3), .rd_data_o(tpl_b)
   );
   always_ff @(posedge clk_i) begin
-    tpl_a_o <= keep_a ? tpl_a : '0;
-    tpl_b_o <= keep_b ? tpl_b : '0;
+    keep_a_q <= keep_a;
+    keep_b_q <= keep_b;
+    tpl_a_o  <= keep_a_q ? tpl_a : '0;
+    tpl_b_o  <= keep_b_q ? tpl_b : '0;
   end
 
   logic [HoldW-1:0] hold_q;
@@ -137,8 +139,9 @@ module slog_operands #(
     end
   end
 
-  assign keep_a  = control_q5.valid;
-  assign keep_b  = control_q5.valid && control_q5.row_b;
+  // The search ring's slices and the templates take their own copies of these.
+  assign keep_a  = control_q4.valid && !rst_i;
+  assign keep_b  = keep_a && control_q4.row_b;
   assign move_o  = move_q;
   assign valid_o = control_q6.valid;
   assign first_o = control_q6.first;

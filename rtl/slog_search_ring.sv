@@ -10,9 +10,7 @@
 // Stage  registers          valid after the clock of read_i, wide_i, row_i, chunk_i
 //   1    addr_q             1
 //   3    RAM output         3
-//   4    a_q4[3] b_q4[4]    4: words from the first quad on: rows and quads in place
-//   5    a_q5[2] b_q5[2]    5: words from the first unit's on
-//   6    a_o b_o            6: units in place; zero unless keep_a_i, keep_b_i were high in the clock before
+//   4-6  slog_ring_slice    6: a_o, b_o; zero unless keep_a_i, keep_b_i were high two clocks before
 //
 // Throughput : one read and one write per clock.
 // Rules      : a word can be read by row_i from the clock after wr_valid_i on, and written again from the clock after
@@ -22,7 +20,9 @@ module slog_search_ring #(
     parameter  int unsigned RingRows    = 32,
     parameter  int unsigned WordsPerRow = 6,
     localparam int unsigned Pitch       = GroupBits / 2,
-    localparam int unsigned RowW        = $clog2(RingRows)
+    localparam int unsigned RowW        = $clog2(RingRows),
+    localparam int unsigned SliceBits   = (Pitch < 4) ? Pitch : 4,
+    localparam int unsigned Slices      = Pitch / SliceBits
 ) (
     input  logic                       clk_i,
     input  logic                       wr_valid_i,
@@ -42,12 +42,10 @@ module slog_search_ring #(
   localparam int unsigned AddrW = $clog2(Depth);
 
   logic       read_q;
-  logic       odd_a_q, odd_a_q2, odd_a_q3;  // parity of group A's row
-  logic       odd_b_q, odd_b_q2, odd_b_q3;  // parity of group B's row
-  logic       wide_q, wide_q2, wide_q3, wide_q4;
-  logic [2:0] chunk_q, chunk_q2, chunk_q3;
-  logic [1:0] chunk_q4;
-  logic       chunk_q5;
+  logic       odd_a_q, odd_a_q2;  // parity of group A's row
+  logic       odd_b_q, odd_b_q2;  // parity of group B's row
+  logic       wide_q, wide_q2;
+  logic [2:0] chunk_q, chunk_q2;
 
   logic             wr_valid_q;
   logic [2:0]       wr_memory_q;
@@ -64,19 +62,12 @@ module slog_search_ring #(
     read_q   <= read_i;
     odd_a_q  <= row_i[0];
     odd_a_q2 <= odd_a_q;
-    odd_a_q3 <= odd_a_q2;
     odd_b_q  <= row_i[0] ^ !wide_i;
     odd_b_q2 <= odd_b_q;
-    odd_b_q3 <= odd_b_q2;
     wide_q   <= wide_i;
     wide_q2  <= wide_q;
-    wide_q3  <= wide_q2;
-    wide_q4  <= wide_q3;
     chunk_q  <= chunk_i[2:0];
     chunk_q2 <= chunk_q;
-    chunk_q3 <= chunk_q2;
-    chunk_q4 <= chunk_q3[1:0];
-    chunk_q5 <= chunk_q4[0];
   end
 
   // word[row parity][quad parity][word parity]
@@ -104,34 +95,30 @@ module slog_search_ring #(
     end
   end
 
-  logic [GroupBits-1:0] a_q4[3], b_q4[4], a_q5[2], b_q5[2];
-  always_ff @(posedge clk_i) begin
-    a_q4[0] <= word[odd_a_q3][chunk_q3[2]][0];
-    a_q4[1] <= word[odd_a_q3][chunk_q3[2]][1];
-    a_q4[2] <= word[odd_a_q3][!chunk_q3[2]][0];
-    b_q4[0] <= word[odd_b_q3][chunk_q3[2]][0];
-    b_q4[1] <= word[odd_b_q3][chunk_q3[2]][1];
-    b_q4[2] <= word[odd_b_q3][!chunk_q3[2]][0];
-    b_q4[3] <= word[odd_b_q3][!chunk_q3[2]][1];
-
-    a_q5[0] <= chunk_q4[1] ? a_q4[1] : a_q4[0];
-    a_q5[1] <= chunk_q4[1] ? a_q4[2] : a_q4[1];
-    if (chunk_q4[1] && wide_q4) begin
-      b_q5[0] <= b_q4[2];
-      b_q5[1] <= b_q4[3];
-    end else if (chunk_q4[1] || wide_q4) begin
-      b_q5[0] <= b_q4[1];
-      b_q5[1] <= b_q4[2];
-    end else begin
-      b_q5[0] <= b_q4[0];
-      b_q5[1] <= b_q4[1];
+  // Across the units: bit i of every unit goes the same way.
+  for (genvar s = 0; s < Slices; s++) begin : g_slice
+    logic [7:0][2*SliceBits-1:0] words;
+    logic [3*SliceBits-1:0] a, b;
+    for (genvar u = 0; u < 2; u++) begin : g_unit
+      for (genvar m = 0; m < 8; m++) begin : g_memory
+        assign words[m][u*SliceBits+:SliceBits] = word[m/4][m/2%2][m%2][u*Pitch+s*SliceBits+:SliceBits];
+      end
     end
-
-    if (!keep_a_i) a_o <= '0;
-    else if (chunk_q5) a_o <= {a_q5[1], a_q5[0][GroupBits-1:Pitch]};
-    else a_o <= {a_q5[1][Pitch-1:0], a_q5[0]};
-    if (!keep_b_i) b_o <= '0;
-    else if (chunk_q5) b_o <= {b_q5[1], b_q5[0][GroupBits-1:Pitch]};
-    else b_o <= {b_q5[1][Pitch-1:0], b_q5[0]};
+    slog_ring_slice #(.UnitBits(SliceBits)) u_slice (
+        .clk_i,
+        .odd_a_i (odd_a_q2),
+        .odd_b_i (odd_b_q2),
+        .wide_i  (wide_q2),
+        .chunk_i (chunk_q2),
+        .keep_a_i,
+        .keep_b_i,
+        .word_i  (words),
+        .a_o     (a),
+        .b_o     (b)
+    );
+    for (genvar u = 0; u < 3; u++) begin : g_out
+      assign a_o[u*Pitch+s*SliceBits+:SliceBits] = a[u*SliceBits+:SliceBits];
+      assign b_o[u*Pitch+s*SliceBits+:SliceBits] = b[u*SliceBits+:SliceBits];
+    end
   end
 endmodule : slog_search_ring

@@ -1,9 +1,7 @@
 // Bit-plane store: Words words of Width bits in block RAM, with a low-priority second read requester.
 //
 //   stage  registers
-//   1      address and write data, one copy per slice of SliceW bits so that no net is wide and long at once
-//   2, 3   block RAM and its output register (slog_ram)
-//   4      bank multiplexer: rd_data_o, peek_data_o
+//   1..4   slog_store_slice, one for each SliceW bits, so that no net is wide and long at once: rd_data_o, peek_data_o
 // Latency    : rd_valid_i to rd_data_o 4 clocks (slog_store_pkg::StoreLatency); the data stay until the next read's.
 //              A peek takes 5 clocks from peek_valid_i && peek_ready_o to peek_done_o, and waits while rd_valid_i is high.
 // Throughput : one read and one write per clock; one peek at a time.
@@ -16,7 +14,7 @@ module slog_store
     parameter  int unsigned Width     = 64,
     parameter  int unsigned Words     = 28800,
     parameter  int unsigned BankWords = 16384,
-    parameter  int unsigned SliceW    = 16,
+    parameter  int unsigned SliceW    = 8,
     localparam int unsigned AddrW     = $clog2(Words)
 ) (
     input  logic             clk_i,
@@ -70,64 +68,31 @@ module slog_store
     if (peek_ready_o) peek_addr_q <= peek_addr_i;
   end
 
-  // Which bank, and in which stage there is a word.
-  logic [BankW-1:0] wr_bank, rd_bank, rd_bank_q, rd_bank_q2, rd_bank_q3;
-  logic rd_q, rd_q2, rd_q3;
+  logic [Banks-1:0] wr_en, rd_en;
   if (Banks > 1) begin : g_bank
-    assign wr_bank = wr_addr_i[AddrW-1:BankAddrW];
-    assign rd_bank = rd_addr[AddrW-1:BankAddrW];
+    for (genvar b = 0; b < Banks; b++) begin : g_en
+      assign wr_en[b] = wr_valid_i && wr_addr_i[AddrW-1:BankAddrW] == BankW'(b);
+      assign rd_en[b] = rd_go && rd_addr[AddrW-1:BankAddrW] == BankW'(b);
+    end
   end else begin : g_no_bank
-    assign wr_bank = 1'b0;
-    assign rd_bank = 1'b0;
-  end
-  always_ff @(posedge clk_i) begin
-    rd_q  <= rd_go;
-    rd_q2 <= rd_q;
-    rd_q3 <= rd_q2;
-    if (rd_go) rd_bank_q <= rd_bank;
-    if (rd_q) rd_bank_q2 <= rd_bank_q;
-    if (rd_q2) rd_bank_q3 <= rd_bank_q2;
+    assign wr_en = wr_valid_i;
+    assign rd_en = rd_go;
   end
 
   for (genvar s = 0; s < Slices; s++) begin : g_slice
-    (* keep *) logic [BankAddrW-1:0] rd_addr_q;
-    (* keep *) logic [BankAddrW-1:0] wr_addr_q;
-    logic [SliceBits-1:0] wr_data_q, data_q;
-    (* keep *) logic [Banks-1:0] wr_en_q;
-    (* keep *) logic [Banks-1:0] rd_en_q;
-    logic [Banks-1:0][SliceBits-1:0] bank_data;
-
-    always_ff @(posedge clk_i) begin
-      for (int unsigned b = 0; b < Banks; b++) begin
-        wr_en_q[b] <= wr_valid_i && wr_bank == BankW'(b);
-        rd_en_q[b] <= rd_go && rd_bank == BankW'(b);
-      end
-      if (wr_valid_i) begin
-        wr_addr_q <= wr_addr_i[BankAddrW-1:0];
-        wr_data_q <= wr_data_i[s*SliceBits+:SliceBits];
-      end
-      if (rd_go) rd_addr_q <= rd_addr[BankAddrW-1:0];
-      if (rd_q3) data_q <= bank_data[rd_bank_q3];
-    end
-
-    for (genvar b = 0; b < Banks; b++) begin : g_bank
-      localparam int unsigned Depth = (b == Banks - 1) ? Words - b * BankWords : BankWords;
-      localparam int unsigned DepthW = $clog2(Depth);
-      slog_ram #(
-          .Width(SliceBits),
-          .Depth(Depth)
-      ) u_ram (
-          .clk_i,
-          .wr_en_i  (wr_en_q[b]),
-          .wr_addr_i(wr_addr_q[DepthW-1:0]),
-          .wr_data_i(wr_data_q),
-          .rd_en_i  (rd_en_q[b]),
-          .rd_addr_i(rd_addr_q[DepthW-1:0]),
-          .rd_data_o(bank_data[b])
-      );
-    end
-
-    assign rd_data_o[s*SliceBits+:SliceBits] = data_q;
+    slog_store_slice #(
+        .Width    (SliceBits),
+        .Words    (Words),
+        .BankWords(BankWords)
+    ) u_slice (
+        .clk_i,
+        .wr_en_i  (wr_en),
+        .wr_addr_i(wr_addr_i[BankAddrW-1:0]),
+        .wr_data_i(wr_data_i[s*SliceBits+:SliceBits]),
+        .rd_en_i  (rd_en),
+        .rd_addr_i(rd_addr[BankAddrW-1:0]),
+        .data_o   (rd_data_o[s*SliceBits+:SliceBits])
+    );
   end
   assign peek_data_o = rd_data_o;
 

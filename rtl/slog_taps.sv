@@ -1,10 +1,10 @@
 // Border control of the two horizontal filters: which of a line's values lie past its border, and what replaces them.
 //
-// A filter's window is its last 2 * Radius + 1 values, moving with move_o; new_o is the newest. While the output pixel is
+// A filter's window is its last 2 * Radius + 1 values, one more a clock; new_o is the newest. While the output pixel is
 // in the centre, edge_o is the line's first or last value, whichever border is near, and beyond_old_o / beyond_new_o say
 // which values lie past it (bit d - 1: distance d to the left / right). Two values per pixel, with the same border.
 //
-// Stages     : 1 newest value    then Radius moves until it is in the centre
+// Stages     : 1 newest value    then Radius clocks until it is in the centre
 // Latency    : 1 clock from valid_i to new_o, Radius + 1 clocks to valid_o with that pixel in the centre.
 // Throughput : one pixel per clock. A line's pixels come in consecutive clocks, at least 2 * Radius + 2 of them;
 //              between lines any pause is allowed.
@@ -22,7 +22,6 @@ module slog_taps #(
     input  logic              last_i,
     input  logic [DataW-1:0]  a_i,
     input  logic [DataW-1:0]  b_i,
-    output logic              move_o,
     output logic [DataW-1:0]  a_new_o,
     output logic [DataW-1:0]  b_new_o,
     output logic              valid_o,       // the centre is a pixel
@@ -35,9 +34,6 @@ module slog_taps #(
   logic [Radius-1:0]  first_q;  // [k]: it is a line's first
   logic               last_q;   // value 0 is a line's last
   logic [Radius-1:0]  old_q, new_q;
-  logic               move;
-
-  assign move = valid_i || valid_q != '0;
 
   // The left border passes from the centre on, the right one up to the centre.
   always_ff @(posedge clk_i) begin
@@ -47,7 +43,7 @@ module slog_taps #(
       last_q  <= 1'b0;
       old_q   <= '0;
       new_q   <= '0;
-    end else if (move) begin
+    end else begin
       valid_q <= {valid_q[Latency-2:0], valid_i};
       first_q <= {first_q[Radius-2:0], valid_i && first_i};
       last_q  <= valid_i && last_i;
@@ -59,10 +55,8 @@ module slog_taps #(
 
   logic [DataW-1:0] a_q, a_first_q, a_edge_q, b_q, b_first_q, b_edge_q;
   always_ff @(posedge clk_i) begin
-    if (move) begin
-      a_q <= a_i;
-      b_q <= b_i;
-    end
+    a_q <= a_i;
+    b_q <= b_i;
     if (valid_i && first_i) begin
       a_first_q <= a_i;
       b_first_q <= b_i;
@@ -76,7 +70,6 @@ module slog_taps #(
     end
   end
 
-  assign move_o       = move;
   assign a_new_o      = a_q;
   assign b_new_o      = b_q;
   assign a_edge_o     = a_edge_q;

@@ -33,7 +33,9 @@ module tb_operand_array #(
     output logic                   mismatch_valid_o,
     output logic [ScoreBits-1:0]   mismatch_o
 );
-  slog_operands #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow), .HoldIdle(HoldIdle)) u_operands (.*);
+  slog_operands #(
+      .GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow), .HoldIdle(HoldIdle)
+  ) u_operands (.*);
 
   slog_array #(.GroupBits(GroupBits), .Lanes(Lanes)) u_array (
       .clk_i,
