@@ -21,9 +21,9 @@ ALPHA, BETA = 0.6, 0.15
 """Of the alpha-beta filter; near critical damping, settled in about five frames."""
 HEAD_GAIN = 4.0
 """Rate of the head per angle it is off, 1/s: at ten frames a second well damped."""
-SWEEP = 0.35
-"""Rate of the search, rad/s: seven degrees more or less every third of a second, so frames still overlap by far."""
-GROWTH = 0.06
+SWEEP = 0.45
+"""Rate of the search, rad/s: two or three degrees a frame at ten frames a second, so frames overlap by far."""
+GROWTH = 0.08
 """By how much the search's ellipse grows, radians a second: less than a view's width from one turn to the next."""
 
 
@@ -68,6 +68,7 @@ class Pilot:
     _rates: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros(2))
     _lost_for: float = field(init=False, default=0.0)
     _phase: float = field(init=False, default=0.0)
+    _left: Felt | None = field(init=False, default=None)
     _loops: dict[str, Pid] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -94,6 +95,8 @@ class Pilot:
         """
         head = np.array([felt.pan, felt.tilt])
         if target.lost:
+            if self._lost_for == 0:
+                self._left = felt
             return self._search(head, dt), self._wait(felt, dt)
         predicted = self._angles + self._rates * dt
         if self._lost_for > 0 or not self._angles.any():
@@ -110,13 +113,15 @@ class Pilot:
         return head + np.arctan([(target.x - self.centre[0]) / self.focal, -(target.y - self.centre[1]) / self.focal])
 
     def _search(self, head: NDArray[np.float64], dt: float) -> tuple[float, float]:
-        """Sweep a growing ellipse about where the fish was last seen, as far as the head turns; then all over again."""
+        """Sweep a growing ellipse, first about where the fish was last seen, in the end as far as the head turns; then
+        all over again."""
         size = 0.1 + GROWTH * self._lost_for
-        if size > 1.3 * self.ends[0]:
+        if size > 1.8 * self.ends[0]:
             self._lost_for, size, self._angles = dt, 0.1, np.zeros(2)
         self._lost_for += dt
         self._phase += SWEEP / max(size, 0.25) * dt
-        goal = np.clip(self._angles + size * np.array([math.sin(self._phase), 0.6 * math.cos(self._phase)]),
+        middle = self._angles * max(0.0, 1 - size / self.ends[0])
+        goal = np.clip(middle + size * np.array([math.sin(self._phase), 0.6 * math.cos(self._phase)]),
                        -np.array(self.ends), self.ends)
         rates = np.clip(3.0 * (goal - head), -1.5 * SWEEP, 1.5 * SWEEP)
         return float(rates[0]), float(rates[1])
@@ -132,8 +137,11 @@ class Pilot:
         return self._forces({name: self._loops[name].step(e, dt) for name, e in errors.items()})
 
     def _wait(self, felt: Felt, dt: float) -> NDArray[np.float64]:
-        """Stay about here until the fish is found."""
-        own = {"heave": -felt.depth, "yaw": -felt.heading} if self.where is Where.TERRAIN else {}
+        """Stay about here until the fish is found: in midwater at the depth and heading at which it was lost."""
+        kept = self._left if self.where is Where.MIDWATER and self._left else Felt(0.0, 0.0, 0.0, 0.0)
+        own = {"heave": kept.depth - felt.depth, "yaw": kept.heading - felt.heading}
+        if self.where is Where.MIDWATER:  # nothing tells how fast it goes: let the water stop it
+            return self._forces({name: self._loops[name].step(error, dt) for name, error in own.items()})
         return self._forces({name: loop.step(own[name], dt) if name in own else loop.hold()
                              for name, loop in self._loops.items()})
 
