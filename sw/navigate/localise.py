@@ -5,6 +5,9 @@ frame should show: that is cut out, turned and scaled as the frame is, and compa
 validated by itself, within a few pixels. A place is accepted if enough windows, and a good share of those on the
 mosaic, agree on it; if two are, none is: a mosaic that shows the same thing twice cannot tell.
 
+Found without a prior, most windows with texture about the frame's middle must agree, too: where a mosaic is torn, a
+frame fits one bank of the tear, and its middle may lie on the other.
+
 How many must agree is set by chance: on floors the mosaic does not show, the best of all candidates gathered 7 of 48
 windows at most (40 frames); on the mosaic, 22 in the middle and never fewer than 15, for perspective and seams cost
 the others.
@@ -147,6 +150,8 @@ class Localiser:
         good = [f for f in found if self._good(f, True)]
         if any(self._apart(good[0], other) for other in good[1:]):
             return Place(agreed=good[0].agreed, tried=good[0].tried, reason="two places answer")
+        if good and not self._held(live, good[0]):
+            return Place(agreed=good[0].agreed, tried=good[0].tried, reason="the mosaic does not hold about the middle")
         return self._said(found[0], True) if found else Place(reason="no windows agree")
 
     def pinpoint(self, picture: Picture, prior: Similarity, target: tuple[float, float]) -> Points | None:
@@ -168,8 +173,7 @@ class Localiser:
         middle = np.clip(np.rint(seen), 2 * half, size - 2 * half - 1)
         if (np.abs(middle - seen) > half).any():
             return None
-        centres = [(int(middle[0] + i * half), int(middle[1] + j * half)) for j in (-1, 0, 1) for i in (-1, 0, 1)]
-        p, q, _ = self._measure(self.shown.show(picture), guess, centres, self.limits.reach // 2)
+        p, q, _ = self._about(self.shown.show(picture), guess, middle)
         if len(p) < 3:
             return None
         shift = np.median(q - p, axis=0)
@@ -179,6 +183,19 @@ class Localiser:
         # `seen` is where the chart's place lies in what was cut out; that lies `shift` further on in the frame.
         weight = np.exp(-np.sum((p[agree] - seen) ** 2, axis=1) / (2 * self.window**2))
         return self._original(seen + np.average((q - p)[agree], axis=0, weights=weight))
+
+    def _about(self, live: Picture, guess: Similarity, middle: Points) -> tuple[Points, Points, list[Measurement]]:
+        """Nine windows, half overlapping, about a point of the frame, as `_measure` gives them."""
+        half = self.window // 2
+        x, y = (int(v) for v in middle)
+        centres = [(x + i * half, y + j * half) for j in (-1, 0, 1) for i in (-1, 0, 1)]
+        return self._measure(live, guess, centres, self.limits.reach // 2)
+
+    def _held(self, live: Picture, look: _Look) -> bool:
+        """Whether most windows about the frame's middle, those without texture aside, are where a comparison says."""
+        p, q, answers = self._about(live, look.similarity, np.array(self.shown.board) // 2)
+        agreed = int((np.hypot(*(q - p).T) <= self.limits.miss * self.window).sum())
+        return 2 * agreed > sum(m.reason is not Reason.TEXTURE for m in answers)
 
     def _good(self, look: _Look, anywhere: bool) -> bool:
         limits = self.limits

@@ -93,6 +93,16 @@ def test_two_places_that_look_alike_are_none(floor: NDArray[np.uint8]) -> None:
     assert not place.known and place.reason == "two places answer"
 
 
+def test_a_torn_mosaic_is_believed_only_away_from_the_tear(floor: NDArray[np.uint8]) -> None:
+    torn = floor.copy()
+    torn[271:, 431:] = floor[::-1][271:, 431:]
+    localiser = _localiser(Chart.of(torn))
+    across = localiser.locate(_frame(floor, _place(475, 300)))
+    assert not across.known and across.agreed >= 8 and across.reason == "the mosaic does not hold about the middle"
+    beside = localiser.locate(_frame(floor, _place(400, 300)))
+    assert beside.known and beside.centre == pytest.approx((400, 300), abs=1.0)
+
+
 def test_beside_the_border(floor: NDArray[np.uint8]) -> None:
     """A third of the view off the mosaic: found by the rest."""
     cut = floor.copy()
