@@ -99,7 +99,8 @@ def test_hold_simulated_has_the_truth_beside(tmp_path: Path) -> None:
     assert (tmp_path / "report.html").stat().st_size > 50000
 
 
-def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray]) -> None:
+@pytest.mark.parametrize("window", [None, 24])
+def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray], window: int | None) -> None:
     """A patch that moves over the passing floor."""
     skin = cv2.GaussianBlur(np.random.default_rng(0).normal(128, 160, (56, 72)), (0, 0), 1.5)
     frames = []
@@ -108,7 +109,8 @@ def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray]) -> No
         shown[40:96, 30 + 6 * k:102 + 6 * k] = np.clip(skin, 0, 255)
         frames.append(shown)
     np.save(tmp_path / "film.npy", np.stack(frames))
-    result = _run("follow", "--source", tmp_path / "film.npy", "--film", "--out", tmp_path / "out")
+    result = _run("follow", "--source", tmp_path / "film.npy", "--film", "--out", tmp_path / "out",
+                  *(() if window is None else ("--window", window)))
     assert result.exit_code == 0, result.output
     rows = _rows(tmp_path / "out" / "follow.csv")
     assert tuple(rows[0]) == FOLLOW and [r["state"] for r in rows] == ["lost"] * 3 + ["seen"] * 5

@@ -26,7 +26,7 @@ from sw.commands.common import (
     progress,
 )
 from sw.errors import SignumError
-from sw.follow.follower import Eye, MotionEye, RangeEye, State, Target
+from sw.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye, State, Target
 from sw.follow.page import draw_chase, draw_states, follow_bars, follow_section
 from sw.follow.pilot import Where
 from sw.follow.record import FollowRecord
@@ -62,6 +62,10 @@ def follow(
                                                 help="Second at which the simulated fish darts out of view.")] = None,
     film: Annotated[bool, typer.Option("--film", help="Write follow.mp4 too.")] = False,
     sigma: SigmaOption = 2.0,
+    window: Annotated[int | None, typer.Option("--window", min=8, max=128, help="Side of the windows, pixels of the "
+                                               "board's picture.",
+                                               show_default=f"{RANGE_WINDOW} by range, {MOTION_WINDOW} by motion")
+                      ] = None,
     board: BoardOption = BoardName.golden,
 ) -> None:
     """Follow a fish: `follow.csv` with its blob for every frame and `report.html`. A simulated vehicle with a pan/tilt
@@ -73,13 +77,14 @@ def follow(
         raise SignumError("--right and --calibration belong to a --source")
     if (right is None) != (calibration is None):
         raise SignumError("range needs both --right and --calibration; leave both out to segment by motion")
-    with board_of(board) as b:
+    with board_of(board, window or 8) as b:
         output.mkdir(parents=True, exist_ok=True)
         if source is None:
-            chase = Chase(where, seconds or 60.0, darts=() if darts is None else (darts,), seed=seed)
+            chase = Chase(where, seconds or 60.0, darts=() if darts is None else (darts,), seed=seed,
+                          window=window)
             _chase(b, chase, output, film, sigma)
         else:
-            _watch(b, source, right, calibration, nearer, output, seconds, rate, film, sigma)
+            _watch(b, source, right, calibration, nearer, output, seconds, rate, film, sigma, window)
 
 
 def _chase(board: BoardBase, chase: Chase, output: Path, film: bool, sigma: float) -> None:
@@ -112,19 +117,19 @@ def _chase(board: BoardBase, chase: Chase, output: Path, film: bool, sigma: floa
 
 
 def _watch(board: BoardBase, source: str, right: str | None, calibration: Path | None, nearer: float, output: Path,
-           seconds: float | None, rate: float, film: bool, sigma: float) -> None:
+           seconds: float | None, rate: float, film: bool, sigma: float, window: int | None) -> None:
     frames = open_source(source)
     others = open_source(right) if right is not None else None
     rectifier = read_stereo(calibration) if calibration is not None else None
     left = iter(frames)
     first = next(left)
-    fit = fit_to(first, board, 64, frames)
+    fit = fit_to(first, board, max(64, window or 0), frames)
     measurer = Measurer(board, fit.board, sigma)
-    eye: Eye = MotionEye(measurer)
+    eye: Eye = MotionEye(measurer, window=window or MOTION_WINDOW)
     if rectifier is not None:
         g, k = rectifier.geometry, fit.factor[0]
         scaled = StereoGeometry(g.focal / k, g.baseline, (g.centre[0] / k, g.centre[1] / k), g.shift / k)
-        eye = RangeEye(measurer, scaled, nearer)
+        eye = RangeEye(measurer, scaled, nearer, window=window or RANGE_WINDOW)
     total = frames.count if seconds is None else min(round(seconds * rate), frames.count or round(seconds * rate))
     names: list[str] = []
     shown: list[Picture] = []

@@ -15,6 +15,8 @@ from sw.measure import Measurer, Query, Rules, View
 from sw.sources import Picture
 from sw.stereo import measure_range
 
+RANGE_WINDOW, MOTION_WINDOW = 24, 32
+"""Sides of the windows by which a fish is told from what is behind it, pixels."""
 TEMPLATE_RULES = Rules(min_score=0.66, min_margin=0.04, texture=False)
 TEMPLATE = 48
 REACH = 20
@@ -76,7 +78,7 @@ class RangeEye:
     """Sees what is nearer than `nearer` metres, by stereo; searches from `closest` metres to a little beyond."""
 
     def __init__(self, measurer: Measurer, geometry: StereoGeometry, nearer: float = 4.0, closest: float = 1.0,
-                 window: int = 24, step: int = 24) -> None:
+                 window: int = RANGE_WINDOW, step: int = 24) -> None:
         self.measurer, self.geometry, self.nearer, self.window, self.step = measurer, geometry, nearer, window, step
         per_metre = geometry.focal * geometry.baseline
         # Beyond the threshold too, so that the peak of what is farther lies within the search and is not cut off.
@@ -100,8 +102,8 @@ class RangeEye:
 class MotionEye:
     """Sees what moves otherwise than the terrain."""
 
-    def __init__(self, measurer: Measurer, disagree_px: float = 1.5, window: int = 32, step: int = 24, reach: int = 9
-                 ) -> None:
+    def __init__(self, measurer: Measurer, disagree_px: float = 1.5, window: int = MOTION_WINDOW, step: int = 24,
+                 reach: int = 9) -> None:
         self.measurer, self.disagree_px, self.window, self.step, self.reach = measurer, disagree_px, window, step, reach
         self.live: View | None = None
         self.before: View | None = None

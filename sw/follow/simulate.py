@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sw.calibration import StereoGeometry
-from sw.follow.follower import Eye, Follower, MotionEye, RangeEye, State, Target
+from sw.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, Follower, MotionEye, RangeEye, State, Target
 from sw.follow.pilot import Felt, Pilot, Where
 from sw.measure import Measurer
 from sw.world.camera import Pinhole
@@ -35,6 +35,7 @@ class Chase:
         where: midwater, by range; or terrain, by motion.
         seconds: length; rate: frames per second.
         darts: seconds at which the fish darts away at `dart` m/s (world) for 0.7 s, out of the view.
+        window: side of the windows, pixels; None for the eye's own.
     """
 
     where: Where = Where.MIDWATER
@@ -46,6 +47,7 @@ class Chase:
     darts: tuple[float, ...] = ()
     dart: tuple[float, float, float] = (0.0, 3.0, 0.0)
     seed: int = 0
+    window: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +97,8 @@ def follow(measurer: Callable[[tuple[int, int]], Measurer], chase: Chase, camera
     mount = AHEAD if midwater else DOWN
     taken = measurer(camera.size)
     geometry = StereoGeometry(camera.focal, BASELINE_M, camera.centre)
-    eye: Eye = RangeEye(taken, geometry) if midwater else MotionEye(taken)
+    eye: Eye = (RangeEye(taken, geometry, window=chase.window or RANGE_WINDOW) if midwater
+                else MotionEye(taken, window=chase.window or MOTION_WINDOW))
     follower = Follower(eye)
     pilot = Pilot(chase.where, camera.focal, camera.centre)
     rng = np.random.default_rng([chase.seed, 6])
