@@ -35,8 +35,9 @@ from sw.register import Registrar
 from sw.sources import Frame, Source, open_source
 from sw.survey.accuracy import ACCURACY, Track, judge, read_track, rows
 from sw.survey.georeference import Georeference, by_log, by_range
+from sw.survey.ledger import Settings
 from sw.survey.shelf import Run, Shelf
-from sw.survey.survey import Settings, Survey
+from sw.survey.survey import Survey
 from sw.survey.ways import WAYS
 from sw.tables import Table
 

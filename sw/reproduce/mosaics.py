@@ -19,9 +19,10 @@ from sw.sources import Frame, Picture
 from sw.survey import simulate
 from sw.survey.accuracy import Error, Track, judge
 from sw.survey.graph import chain
+from sw.survey.ledger import Piece
 from sw.survey.links import SEQUENCE
 from sw.survey.simulate import Flown, Plan
-from sw.survey.survey import Piece, Survey
+from sw.survey.survey import Survey
 from sw.survey.ways import WAYS
 
 IMAGES = 4

@@ -13,8 +13,8 @@ import csv
 import io
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -24,77 +24,21 @@ import numpy as np
 
 from sw.blend import compose, sketch
 from sw.errors import SignumError
-from sw.geometry import IDENTITY, Similarity, overlap
+from sw.geometry import IDENTITY, Similarity
 from sw.mosaic import POSES, Pose
-from sw.mosaic import Settings as ColumnSettings
 from sw.register import Prepared, Registrar
 from sw.sources import Frame, Picture
 from sw.survey.georeference import Georeference, write_geotiff, write_world_file
-from sw.survey.graph import Solution, precision, solve
-from sw.survey.links import JOIN, LINKS, LIVE, LOOP, SEQUENCE, Link, read_links
-from sw.survey.shelf import ResumeError, Run, Shelf, write_picture, write_text
+from sw.survey.ledger import Ledger, Piece, Settings
+from sw.survey.links import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
+from sw.survey.loops import Loops
+from sw.survey.shelf import ResumeError, Run, write_picture, write_text
 
 THUMB = 240
 """Longer side of the copies the growing mosaic is made of, pixels."""
 
 
-@dataclass(frozen=True)
-class Settings(ColumnSettings):
-    """How a survey is made; see also `sw.mosaic.Settings`.
-
-    Attributes:
-        loops: whether links beside the sequence are looked for.
-        overlap: least predicted overlap at which a link is proposed, share of a frame.
-        apart: least distance of two frames that are both linked to a third, share of the frame's shorter side.
-        proposals: most links proposed for a frame.
-        share: least share of the windows that must agree on a proposed link: where it ought to be is known, so less
-            than for a link of the sequence would be chance or two layers of relief.
-        agreed: least number of them.
-        gate: by how many standard deviations of the prediction a proposed link may miss it.
-        relief: by which share of the frame's longer side more it may miss it: relief moves what is seen.
-        farthest: pixels of the board searched around a prediction; where more would be needed, the whole frame is.
-        joins: frames of other pieces tried for each stored one.
-    """
-
-    loops: bool = True
-    overlap: float = 0.15
-    apart: float = 0.1
-    proposals: int = 8
-    share: float = 0.6
-    agreed: int = 6
-    gate: float = 4.0
-    relief: float = 0.02
-    farthest: int = 64
-    joins: int = 6
-
-
-@dataclass
-class Piece:
-    """Frames that hang together; its plane is that of its first frame.
-
-    Attributes:
-        stored: frames in the graph, in order.
-        places: of those, pixels of the frame -> plane.
-        hung: frames of a stream between them: which stored frame each hangs on, and its pixels -> that one's.
-        frames: all of them, in order.
-        solution: the last.
-    """
-
-    stored: list[str] = field(default_factory=list)
-    places: dict[str, Similarity] = field(default_factory=dict)
-    hung: dict[str, tuple[str, Similarity]] = field(default_factory=dict)
-    frames: list[str] = field(default_factory=list)
-    solution: Solution | None = None
-
-    def place(self, name: str) -> Similarity:
-        """Pixels of any of its frames -> plane."""
-        if name in self.places:
-            return self.places[name]
-        key, onto = self.hung[name]
-        return self.places[key] @ onto
-
-
-class Survey:
+class Survey(Ledger):
     """Builds a mosaic frame by frame and writes as it goes; a `with` writes the pictures at its end.
 
     Args:
@@ -112,14 +56,10 @@ class Survey:
 
     def __init__(self, registrar: Registrar, out: Path, stream: bool = False, settings: Settings | None = None,
                  source: str = "", resume: bool = False, every: float = math.inf) -> None:
-        self.registrar, self.out, self.stream = registrar, out, stream
-        self.settings = settings or Settings()
-        self.centre = float(registrar.centre[0]), float(registrar.centre[1])
-        self.size = registrar.fine.source
-        self.shelf = Shelf(out)
+        super().__init__(registrar, out, settings or Settings())
+        self.stream = stream
+        self._loops = Loops(self)
         self.run = Run(source, self.size, stream, registrar.window, registrar.sigma, self.settings.loops)
-        self.pieces: list[Piece] = []
-        self.links: list[Link] = []
         self.done: set[str] = set()
         self.ground: Callable[[list[Pose], tuple[float, float]], Georeference | None] | None = None
         """Where on the ground a piece lies, from its poses and the frames' centre: for world files and GeoTIFF."""
@@ -127,19 +67,13 @@ class Survey:
         """Why `ground` could not be told, after `close`."""
         self._every, self._seen_at, self._look_took = every, time.monotonic(), 0.0
         self._thumbs: dict[str, Picture] = {}
-        self._partners: dict[str, set[str]] = {}
-        self._tried: dict[tuple[str, str], Similarity] = {}
-        self._doubtful: list[Link] = []
         self._lost = 0
         self._forget()
         if resume:
             self._resume()
         else:
             self.shelf.clear()
-        self._edges = (out / "edges.csv").open("a", newline="", encoding="utf-8")
-        self._rows = csv.writer(self._edges, lineterminator="\n")
-        if not resume:
-            self._write(LINKS)
+        self.open_edges(anew=not resume)
         self.shelf.describe(self.run, finished=False)
 
     def __enter__(self) -> Self:
@@ -154,19 +88,6 @@ class Survey:
         self._seen: Similarity | None = None
         self._before: Similarity | None = None
         self._last: tuple[Frame, Prepared, Link] | None = None
-
-    @property
-    def accepted(self) -> list[Link]:
-        """Accepted links between stored frames, of all pieces."""
-        return [link for link in self.links if link.accepted and link.kind != LIVE]
-
-    def links_of(self, piece: Piece) -> list[Link]:
-        """Accepted links between stored frames of a piece."""
-        return [link for link in self.accepted if link.frame_a in piece.places and link.frame_b in piece.places]
-
-    def ranked(self) -> list[Piece]:
-        """The pieces, that with most frames first."""
-        return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
     def add(self, frame: Frame) -> str:
         """Take in the next frame; one that was taken in before a crash is passed over.
@@ -192,24 +113,24 @@ class Survey:
 
     def _add_snapshot(self, frame: Frame, prepared: Prepared) -> str:
         for name in self.pieces[-1].stored[: -1 - self.settings.back : -1]:
-            result = self.registrar.register(self._prepared(name), prepared)
+            result = self.registrar.register(self.prepared(name), prepared)
             link = Link.of(name, frame.name, SEQUENCE, self.centre, result)
             if link.accepted:
                 return self._store(frame, prepared, link)
-            self._note(link)
+            self.note(link)
         return self._begin(frame, prepared)
 
     def _add_live(self, frame: Frame, prepared: Prepared) -> str:
         name = self.pieces[-1].stored[-1]
-        result = self.registrar.register(self._prepared(name), prepared, self._predict(), self.settings.reach)
+        result = self.registrar.register(self.prepared(name), prepared, self._predict(), self.settings.reach)
         if not result.accepted and self._last is not None:
             # The view moves faster than the step allows: chain through the last good frame.
             self._store(*self._last)
             name = self.pieces[-1].stored[-1]
-            result = self.registrar.register(self._prepared(name), prepared, IDENTITY, self.settings.reach)
+            result = self.registrar.register(self.prepared(name), prepared, IDENTITY, self.settings.reach)
         if not result.accepted:
-            result = self.registrar.register(self._prepared(name), prepared)
-        link = self._note(Link.of(name, frame.name, LIVE, self.centre, result))
+            result = self.registrar.register(self.prepared(name), prepared)
+        link = self.note(Link.of(name, frame.name, LIVE, self.centre, result))
         if not link.accepted:
             self._lost += 1
             self._seen = self._before = None
@@ -241,11 +162,11 @@ class Survey:
         self._keep(frame, prepared)
         self.shelf.start(frame.name)
         self.pieces.append(Piece([frame.name], {frame.name: IDENTITY}, frames=[frame.name]))
-        self._solve(self.pieces[-1])
+        self.solve(self.pieces[-1])
         self._lost = 0
         self._forget()
         if self.settings.loops and len(self.pieces) > 1:
-            self._join(frame.name)
+            self._loops.join(frame.name)
         return f"{frame.name}: begins piece {len(self.pieces)}"
 
     def _store(self, frame: Frame, prepared: Prepared, link: Link) -> str:
@@ -253,25 +174,36 @@ class Survey:
         self.shelf.save(frame.name, frame.picture)
         self._keep(frame, prepared)
         link = replace(link, kind=SEQUENCE)
-        self._note(link)
-        self._tried[link.frame_a, link.frame_b] = link.similarity
+        self.note(link)
+        self._loops.tried[link.frame_a, link.frame_b] = link.similarity
         self._forget()
-        piece = self._piece(link.frame_a)
-        self._enter(piece, link)
-        found = self._propose(piece, frame.name, link) if self.settings.loops else 0
-        self._solve(piece)
+        piece = self.piece_of(link.frame_a)
+        self.enter(piece, link)
+        found = self._loops.propose(piece, frame.name, link) if self.settings.loops else 0
+        self.solve(piece)
         if self.settings.loops and len(self.pieces) > 1:
-            found += self._join(frame.name)
+            found += self._loops.join(frame.name)
         return f"{link.frame_a} to {frame.name}: {link.shift[0]:.1f}, {link.shift[1]:.1f} px, {found} other links"
 
-    @staticmethod
-    def _enter(piece: Piece, link: Link) -> None:
-        name = link.frame_b
-        piece.hung.pop(name, None)
-        piece.stored.append(name)
-        if name not in piece.frames:
-            piece.frames.append(name)
-        piece.places[name] = piece.places[link.frame_a] @ link.similarity.inverse
+    def settle(self) -> None:
+        """Store the last frame of a stream, however little it moved since the one before."""
+        if self._last is not None:
+            self._store(*self._last)
+
+    def finish(self) -> Iterator[str]:
+        """Look again for links the poses now predict, until there are no more; tells of each frame."""
+        if self.settings.loops:
+            for piece in list(self.pieces):
+                yield from self._loops.exhaust(piece)
+
+    def poses(self, piece: Piece) -> list[Pose]:
+        """Poses of a piece's frames, in order."""
+        out = []
+        for name in piece.frames:
+            place = piece.place(name)
+            x, y = place(np.array(self.centre))
+            out.append(Pose(name, float(x), float(y), place.rot_deg, place.scale))
+        return out
 
     def _keep(self, frame: Frame, prepared: Prepared) -> None:
         self.shelf.prepared(frame.name, self.registrar, prepared)
@@ -284,231 +216,6 @@ class Survey:
             self._thumbs[name] = np.asarray(cv2.resize(whole, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
                                             np.uint8) if less < 1 else whole
         return self._thumbs[name]
-
-    def _prepared(self, name: str) -> Prepared:
-        return self.shelf.prepared(name, self.registrar)
-
-    def _piece(self, name: str) -> Piece:
-        return next(piece for piece in reversed(self.pieces) if name in piece.places)
-
-    def _note(self, link: Link) -> Link:
-        """Record a link."""
-        self._know(link)
-        self._write(link.row)
-        return link
-
-    def _know(self, link: Link) -> None:
-        self.links.append(link)
-        if link.accepted and link.kind != LIVE:
-            self._partners.setdefault(link.frame_a, set()).add(link.frame_b)
-            self._partners.setdefault(link.frame_b, set()).add(link.frame_a)
-
-    def _write(self, row: Sequence[object]) -> None:
-        # A row goes to the disk in one piece, its newline with it.
-        line = io.StringIO()
-        csv.writer(line, lineterminator="\n").writerow(row)
-        self._edges.write(line.getvalue())
-        self._edges.flush()
-
-    def _solve(self, piece: Piece) -> None:
-        """Place the frames of a piece by all its links."""
-        piece.solution = solve(piece.stored[0], self.links_of(piece), self.size, piece.places)
-        piece.places.update(piece.solution.places)
-
-    def _propose(self, piece: Piece, name: str, by: Link | None = None) -> int:
-        """Measure the links of a frame that its predicted overlaps suggest; returns how many were accepted.
-
-        Args:
-            piece: the frame's.
-            name: the frame.
-            by: the link that has just placed it, which the solution does not know yet.
-        """
-        wanted = []
-        order = {stored: k for k, stored in enumerate(piece.stored)}
-        here = piece.places[name]
-        middle = here(np.array(self.centre))
-        reach = math.hypot(*self.size) * here.scale
-        for other in piece.stored:
-            pair = (other, name) if order[other] < order[name] else (name, other)
-            if other == name or (by is not None and other == by.frame_a) or pair in self._tried:
-                continue
-            there = piece.places[other]
-            if float(np.abs(there(np.array(self.centre)) - middle).max()) > reach:
-                continue
-            share = overlap(piece.places[pair[1]].inverse @ piece.places[pair[0]], self.size)
-            if share >= self.settings.overlap:
-                wanted.append((share, pair))
-        wanted.sort(key=lambda one: -one[0])
-        # Where frames lie close, links to two that are side by side say the same: they are to come from all around.
-        near = self.settings.apart * min(self.size) * here.scale
-        taken = [piece.places[partner](np.array(self.centre)) for partner in self._partners.get(name, ())
-                 if partner in piece.places]
-        room = self.settings.proposals
-        found = 0
-        for _, pair in wanted:
-            at = piece.places[pair[0] if pair[1] == name else pair[1]](np.array(self.centre))
-            if room and all(np.hypot(*(at - other)) >= near for other in taken):
-                room -= 1
-                if self._try(piece, pair, by):
-                    taken.append(at)
-                    found += 1
-        return found
-
-    def _try(self, piece: Piece, pair: tuple[str, str], by: Link | None) -> bool:
-        """Measure a proposed link of a piece, and believe it if it lands where the poses allow."""
-        a, b = pair
-        predicted = piece.places[b].inverse @ piece.places[a]
-        point = self._common(predicted)
-        deviation = self._deviation(piece, a, b, point, by)
-        link = self._measure(a, b, LOOP, predicted, deviation)
-        self._tried[pair] = predicted
-        self._note(link)
-        return link.accepted
-
-    def _common(self, predicted: Similarity) -> tuple[float, float]:
-        """The middle of what two frames have in common, pixels of a."""
-        middle = (np.array(self.centre) + predicted.inverse(np.array(self.centre))) / 2
-        return float(middle[0]), float(middle[1])
-
-    def _deviation(self, piece: Piece, a: str, b: str, at: tuple[float, float], by: Link | None) -> float:
-        """Standard deviation of the prediction, pixels."""
-        assert piece.solution is not None
-        if by is None:
-            return piece.solution.deviation(a, b, at)
-        x, y = by.similarity.inverse((piece.places[b].inverse @ piece.places[a])(np.array(at)))
-        known = piece.solution.deviation(a, by.frame_a, at) if a != by.frame_a else 0.0
-        lever = math.dist((x, y), by.middle) / max(by.spread_px, 0.05 * max(self.size))
-        return math.hypot(known, piece.solution.usual * math.hypot(1.0, lever) / math.sqrt(precision(by)))
-
-    def _measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Link:
-        """Measure a link around its prediction; refused where it lands farther off than the prediction may be."""
-        slack = self.settings.gate * deviation + self.settings.relief * max(self.size)
-        reach = math.ceil(slack / max(self.registrar.fine.factor)) + 6
-        near = reach <= self.settings.farthest
-        result = self.registrar.register(self._prepared(a), self._prepared(b), predicted if near else None,
-                                         max(reach, self.registrar.limits.reach) if near else None)
-        reason = ""
-        if result.accepted:
-            point = np.array(result.middle)
-            miss = float(np.hypot(*(result.similarity(point) - predicted(point))))
-            turned = abs((result.similarity @ predicted.inverse).rot_deg)
-            if result.agreed < max(self.settings.share * result.tried, self.settings.agreed):
-                reason = f"only {result.agreed} of {result.tried} windows agree"
-            elif miss > slack or turned > 6:
-                reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other links give it"
-        return Link.of(a, b, kind, self.centre, result, reason)
-
-    def _join(self, name: str) -> int:
-        """Look for a link from a frame of the last piece to the others; returns how many were accepted."""
-        late = self._piece(name)
-        others = [(piece, other) for piece in self.pieces if piece is not late for other in piece.stored]
-        # Where columns turn, the frames after a break lie beside those as long before it; and a few from everywhere.
-        place = late.stored.index(name)
-        beside = others[::-1][place : place + self.settings.joins // 2]
-        spread = [others[round(i)] for i in np.linspace(0, len(others) - 1, self.settings.joins)]
-        tried: set[str] = set()
-        for piece, other in (*beside, *spread):
-            if other in tried or len(tried) >= self.settings.joins or piece not in self.pieces or piece is late:
-                continue
-            tried.add(other)
-            if (other, name) in self._tried:
-                continue
-            result = self.registrar.register(self._prepared(other), self._prepared(name))
-            self._tried[other, name] = IDENTITY
-            if result.accepted and result.agreed >= max(self.settings.share * result.tried, self.settings.agreed):
-                self._doubtful.append(Link.of(other, name, JOIN, self.centre, result))
-        found = 0
-        for link in list(self._doubtful):
-            found += self._confirm(link)
-        return found
-
-    def _confirm(self, join: Link) -> int:
-        """Believe a link between two pieces if a second one, where the first says it must be, is found too.
-
-        Returns:
-            Links accepted: 0, or 2 and more.
-        """
-        early, late = self._piece(join.frame_a), self._piece(join.frame_b)
-        if early is late:
-            self._doubtful.remove(join)
-            return 0
-        onto = early.places[join.frame_a] @ join.similarity.inverse @ late.places[join.frame_b].inverse
-        wanted = []
-        for a in early.stored:
-            for b in late.stored:
-                predicted = (onto @ late.places[b]).inverse @ early.places[a]
-                share = overlap(predicted, self.size)
-                if (a, b) != (join.frame_a, join.frame_b) and share >= self.settings.overlap:
-                    wanted.append((share, a, b, predicted))
-        wanted.sort(key=lambda one: -one[0])
-        lever = 0.5 * max(self.size) / max(join.spread_px, 0.05 * max(self.size))
-        deviation = 2 * math.hypot(1.0, lever) / math.sqrt(precision(join)) + 0.01 * max(self.size)
-        links = [self._measure(a, b, JOIN, predicted, deviation)
-                 for _, a, b, predicted in wanted[: self.settings.joins]]
-        good = [link for link in links if link.accepted]
-        if not links:
-            return 0
-        if 2 * len(good) < len(links):
-            self._doubtful.remove(join)
-            self._note(replace(join, accepted=False, reason="not borne out where others had to be"))
-            return 0
-        for link in (join, *links):
-            self._note(link)
-            self._tried[link.frame_a, link.frame_b] = IDENTITY
-        self._doubtful.remove(join)
-        self._merge(early, late)
-        return 1 + len(good)
-
-    def _merge(self, early: Piece, late: Piece) -> None:
-        """One piece of two that links hold together; the frames of the later one come last."""
-        if self.pieces.index(early) > self.pieces.index(late):
-            early, late = late, early
-        early.stored += late.stored
-        early.frames += late.frames
-        early.hung |= late.hung
-        early.places |= dict.fromkeys(late.stored, IDENTITY)
-        start = {name: early.places[name] for name in early.stored if name not in late.places}
-        # The one whose frames are still coming stays last.
-        position = max(self.pieces.index(early), self.pieces.index(late))
-        early.solution = solve(early.stored[0], self.links_of(early), self.size, start)
-        early.places = dict(early.solution.places)
-        self.pieces[position] = early
-        self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]
-
-    def settle(self) -> None:
-        """Store the last frame of a stream, however little it moved since the one before."""
-        if self._last is not None:
-            self._store(*self._last)
-
-    def finish(self) -> Iterator[str]:
-        """Look again for links the poses now predict, until there are no more; tells of each frame."""
-        if not self.settings.loops:
-            return
-        for piece in list(self.pieces):
-            for _ in range(3):
-                linked = {(link.frame_a, link.frame_b) for link in self.accepted}
-                for pair, before in list(self._tried.items()):
-                    if pair[0] in piece.places and pair[1] in piece.places and pair not in linked:
-                        now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
-                        off = float(np.hypot(*(now(np.array(self.centre)) - before(np.array(self.centre)))))
-                        if off > self.settings.relief * max(self.size):
-                            del self._tried[pair]  # it was looked for elsewhere
-                found = 0
-                for name in list(piece.stored):
-                    found += self._propose(piece, name)
-                    yield f"{name}: looked for more links"
-                if not found:
-                    break
-                self._solve(piece)
-
-    def poses(self, piece: Piece) -> list[Pose]:
-        """Poses of a piece's frames, in order."""
-        out = []
-        for name in piece.frames:
-            place = piece.place(name)
-            x, y = place(np.array(self.centre))
-            out.append(Pose(name, float(x), float(y), place.rot_deg, place.scale))
-        return out
 
     def write_poses(self) -> None:
         """Write `poses.csv`, and of further pieces `poses-2.csv`, ..."""
@@ -532,10 +239,10 @@ class Survey:
 
     def close(self, finished: bool = True) -> None:
         """Write poses and mosaics of what there is."""
-        if self._edges.closed:
+        if self.edges.closed:
             return
         self.settle()
-        self._edges.close()
+        self.edges.close()
         self.write_poses()
         self.trouble = ""
         for number, piece in enumerate(self.ranked(), 1):
@@ -577,28 +284,28 @@ class Survey:
         with path.open("rb+") as file:
             file.truncate(file.read().rfind(b"\n") + 1)
         for piece in self.pieces:
-            self._solve(piece)
+            self.solve(piece)
 
     def _take(self, link: Link) -> None:
         """Take in a link measured before a crash."""
         a, b = link.frame_a, link.frame_b
-        self._know(link)
+        self.know(link)
         if link.kind == LIVE or (link.accepted and link.kind == SEQUENCE):
             self.done.add(b)
         if link.kind in (LOOP, JOIN) or link.accepted:
-            self._tried[a, b] = IDENTITY
+            self._loops.tried[a, b] = IDENTITY
         if not link.accepted:
             return
         if link.kind == LIVE:
-            piece = self._piece(a)
+            piece = self.piece_of(a)
             piece.hung[b] = a, link.similarity.inverse
             piece.frames.append(b)
         elif link.kind == SEQUENCE:
-            self._enter(self._piece(a), link)
+            self.enter(self.piece_of(a), link)
         elif link.kind == JOIN:
-            early, late = self._piece(a), self._piece(b)
+            early, late = self.piece_of(a), self.piece_of(b)
             if early is not late:
-                self._merge(early, late)
+                self.merge(early, late)
 
 
 def suffix(number: int) -> str:

@@ -21,11 +21,13 @@ from sw.measure import Measurer
 from sw.register import Registrar
 from sw.sources import Fit, Frame, open_source
 from sw.survey.accuracy import judge, read_track
+from sw.survey.ledger import Settings
 from sw.survey.links import JOIN, SEQUENCE
+from sw.survey.loops import Loops
 from sw.survey.reference import SHARED, read_pairs, residuals
 from sw.survey.shelf import ResumeError
 from sw.survey.simulate import Flown, Plan, fly
-from sw.survey.survey import Settings, Survey
+from sw.survey.survey import Survey
 from sw.verilated_board import VerilatedBoard
 
 app = application()
@@ -39,8 +41,8 @@ def written(self, row):
     write(self, row)
     rows.append(row)
     if len(rows) == 9:
-        self._edges.write("00,0")
-        self._edges.flush()
+        self.edges.write("00,0")
+        self.edges.flush()
         os.kill(os.getpid(), signal.SIGKILL)
 Survey._write = written
 from sw.cli import main
@@ -169,7 +171,7 @@ def test_wrong_predictions_never_make_a_link(flown: Flown, tmp_path: Path) -> No
     for _ in range(40):
         a, b = rng.choice(9, 2, replace=False)
         predicted = Similarity.of(rng.uniform(-6, 6), 1.0, (rng.uniform(-110, 110), rng.uniform(-80, 80)))
-        link = survey._measure(str(a), str(b), "loop", predicted, float(rng.uniform(1, 12)))
+        link = Loops(survey).measure(str(a), str(b), "loop", predicted, float(rng.uniform(1, 12)))
         if link.accepted:
             accepted += 1
             true = flown.truth[cells[b]].inverse @ flown.truth[cells[a]]

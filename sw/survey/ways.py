@@ -9,8 +9,9 @@ import numpy as np
 from sw.geometry import Similarity
 from sw.mosaic import Pose
 from sw.survey.graph import chain
+from sw.survey.ledger import Piece
 from sw.survey.links import SEQUENCE
-from sw.survey.survey import Piece, Survey
+from sw.survey.survey import Survey
 
 
 def by_sequence(survey: Survey, piece: Piece) -> list[Pose]:
