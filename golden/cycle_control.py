@@ -77,9 +77,9 @@ class PeekModel:
 
     def reset(self) -> None:
         """State after reset."""
-        self.want = self.flight = self.drop = self.have = self.waiting = self.answer = False
+        self.started = self.new = self.want = self.flight = self.drop = False
+        self.have = True
         self.word: int | None = 0
-        self.data: int | None = 0
         self.chunk, self.address = 0, 0
 
     @property
@@ -87,38 +87,34 @@ class PeekModel:
         """A word is asked for."""
         return self.want and self.address < self.store_words and not self.flight
 
-    def edge(self, *, go: int, address: int, request: bool, ready: int, done: int, data: int | None) -> None:
+    @property
+    def data(self) -> int | None:
+        """What the next read gets; None if undefined."""
+        return None if self.word is None else self.word & 0xFFFFFFFF
+
+    def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:
         """Take the clock edge."""
-        valid, want, flight, have = self.valid, self.want, self.flight, self.have
-        outside = want and self.address >= self.store_words and not flight
-        pending = request or self.waiting
-        answer = pending and (have or not (want or flight or have)) and not go
-        turn = answer and have and self.chunk == self.chunks - 1
-        self.answer, self.data = answer, 0
-        if answer and have:
-            self.data = None if self.word is None else self.word & 0xFFFFFFFF
-        self.waiting = pending and not answer
-        taken = valid and bool(ready)
-        if taken:
-            self.want, self.flight = False, True
-        elif outside:
-            self.want, self.have = False, True
-        drop = self.drop
-        if done:
-            self.flight, self.drop, self.have = False, False, not drop
-        if done:
-            self.word = data
-        elif outside:
-            self.word = 0
-        elif answer and self.word is not None:
+        taken = self.valid and bool(ready)
+        outside = self.want and self.address >= self.store_words and not self.flight
+        onward = take and self.started and self.chunk == self.chunks - 1
+        self.want = self.new or (self.want and not taken and not outside)
+        self.new = bool(go) or onward
+        if outside:
+            self.have, self.word = True, 0
+        elif done:
+            self.have, self.word = not self.drop, data
+        elif take and self.word is not None:
             self.word >>= 32
-        if answer:
-            self.chunk = 0 if self.chunk == self.chunks - 1 else self.chunk + 1
-        if turn:
-            self.have, self.want, self.address = False, True, (self.address + 1) & 0xFFFFFF
+        self.chunk += take
+        if onward:
+            self.have, self.address, self.chunk = False, (self.address + 1) & 0xFFFFFF, 0
+        drop = (self.flight and not done) or taken
+        if done:
+            self.drop = False
+        self.flight = taken or (self.flight and not done)
         if go:
-            self.want, self.have, self.address, self.chunk = True, False, address, 0
-            self.drop = (flight and not done) or taken
+            self.started, self.want, self.have, self.address, self.chunk = True, False, False, address, 0
+            self.drop = drop
 
 
 class ControlModel:
@@ -141,7 +137,7 @@ class ControlModel:
         # What the registers see: the clock before.
         self.shown: dict[str, int | None] = {}
         self.events = dict.fromkeys(EVENTS, 0)
-        self.answer: tuple[int, int | None] = 0, 0
+        self.peek_wait = self.peek_taken = False
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
@@ -190,6 +186,7 @@ class ControlModel:
             "result.head.status": r["status"] if i["result_valid_i"] else 0, "result.head.valid": i["result_valid_i"],
             "result.best.x": r["best_x"], "result.best.y": r["best_y"], "result.scores.score": r["score"],
             "result.scores.runner_up": r["runner_up"], "irq_status.result": i["result_valid_i"],
+            "peek_data.value": self.peek.data,
         }
         for k in range(4):
             status[f"result.neighbour[{k}].even"] = r[f"neighbour{2 * k}"]
@@ -203,17 +200,19 @@ class ControlModel:
         """Take the clock edge; `result_i` and `peek_data_i`, which may be undefined, stand apart."""
         v = self.csr.value
         overflow = int(v["job.submit.go"] and not i["job_ready_i"])
-        events, answer, shown = self.events, self.answer, self.shown
+        events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.peek_taken
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), overflow), strict=True))
-        self.answer = int(self.peek.answer), self.peek.data
-        if i["s_axil_arvalid"] or self.csr.ar is not None:  # otherwise nobody reads in the next clock
+        self.peek_wait = not self.peek.have or bool(v["peek_address.go"])
+        self.peek_taken = self.csr.taken
+        chosen = self.csr.chosen(wait)
+        if chosen is not None and not chosen.is_write:  # otherwise nobody reads in the next clock
             self.shown = self.status(i, result)
         if i["rst_i"]:
-            self.csr.reset()
+            self.csr.edge(i, shown, events, wait)
             self.bank.reset()
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
-            self.events, self.answer = dict.fromkeys(EVENTS, 0), (0, 0)
+            self.events, self.peek_taken = dict.fromkeys(EVENTS, 0), False
             return
         taken = bool(i["result_valid_i"] and v["result.pop.go"])
         good = taken and result is not None and RESULT.unpack(result)["status"] == 0
@@ -221,14 +220,14 @@ class ControlModel:
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
         irq = (i["result_valid_i"] and v["irq_enable.result"]) or any(
             v[name] and v[name.replace("status", "enable")] for name in EVENTS)
-        request, active = self.csr.external_read, i["active_i"] | i["writing_i"]
+        active = i["active_i"] | i["writing_i"]
         before = dict(v)
-        self.csr.edge(i, shown, events, *answer)
+        self.csr.edge(i, shown, events, wait)
         v = before
         self.bank.edge(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
                        commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]),
                        active=active)
-        self.peek.edge(go=v["peek_address.go"], address=v["peek_address.word"], request=request,
+        self.peek.edge(go=v["peek_address.go"], address=v["peek_address.word"], take=peeked,
                        ready=i["peek_ready_i"], done=i["peek_done_i"], data=peek_data)
         self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, happened, strict=True)]
         self.irq = int(bool(irq))

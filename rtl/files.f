@@ -50,6 +50,7 @@ slog_capture_channel.sv
 slog_capture.sv
 slog_filter_bank.sv
 slog_peek.sv
+slog_axil.sv
 slog_counters.sv
 gen/slog_csr.sv
 slog_control.sv

@@ -1,8 +1,9 @@
 // Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
 // registers' commands turned into the blocks' own terms.
 //
-// Latency    : a command reaches the blocks in the clock after its AXI4-Lite write is decoded; what is read is one clock old;
+// Latency    : a command reaches the blocks 3 clocks after its AXI4-Lite write is complete; what is read is one clock old;
 //              irq_o follows a result by 1 clock, other causes by 3.
+`include "slog_assert.svh"
 module slog_control
   import slog_pkg::*;
   import slog_cfg_pkg::*;
@@ -77,6 +78,8 @@ module slog_control
 );
   // Counters, in the order of the event vector below.
   localparam int unsigned MaxCameras = 2;
+  // The one register whose reads wait: peek_data.
+  localparam logic [7:0] PeekData = 8'h84;
   localparam int unsigned Events = 6 + 2 * MaxCameras;
 
   slog_csr_pkg::slog_csr__in_t status, hwif_in;
@@ -86,7 +89,10 @@ module slog_control
   logic [Events-1:0][31:0] counts;
   logic overflow, taken, filter_busy, size_error, irq_q;
   logic [31:0] peek_data;
-  logic peek_answer;
+  logic peek_ready, peek_wait_q, peek_taken_q;
+  logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
+  logic [7:0] req_addr;
+  logic [31:0] req_data, req_biten, rd_data;
 
   // The registers and what answers to them do nothing without an access, an event or a commit or peek under way.
   slog_clock_gate #(
@@ -94,44 +100,75 @@ module slog_control
   ) u_gate (
       .clk_i,
       .rst_i,
-      .active_i(s_axil_awvalid || s_axil_wvalid || s_axil_arvalid || s_axil_bready || s_axil_rready || captured_i ||
-                dropped_i != '0 || filter_busy || peek_valid_o || peek_done_i),
+      .active_i(s_axil_awvalid || s_axil_wvalid || s_axil_arvalid || s_axil_bready || s_axil_rready || bus_busy ||
+                captured_i || dropped_i != '0 || filter_busy || peek_valid_o || peek_done_i),
       .clk_o   (clk)
   );
 
-  // What the registers show is one clock old.
+  // What the registers show is one clock old; so is whether the next bits of the plane read back are among it.
   always_ff @(posedge clk) begin
-    hwif_in <= status;
+    hwif_in     <= status;
+    peek_wait_q <= !peek_ready || hwif_out.peek_address.go.value;
+    if (rst_i) peek_taken_q <= 1'b0;
+    else peek_taken_q <= hwif_out.peek_data.value.swacc;
     if (rst_i) begin
-      hwif_in.peek_data.rd_ack         <= 1'b0;
       hwif_in.irq_status.capture.next  <= 1'b0;
       hwif_in.irq_status.drop.next     <= 1'b0;
       hwif_in.irq_status.overflow.next <= 1'b0;
     end
   end
 
+  slog_axil #(
+      .AddrW   (8),
+      .WaitAddr(PeekData)
+  ) u_axil (
+      .clk_i      (clk),
+      .rst_i,
+      .awaddr_i   (s_axil_awaddr),
+      .awvalid_i  (s_axil_awvalid),
+      .awready_o  (s_axil_awready),
+      .wdata_i    (s_axil_wdata),
+      .wstrb_i    (s_axil_wstrb),
+      .wvalid_i   (s_axil_wvalid),
+      .wready_o   (s_axil_wready),
+      .bvalid_o   (s_axil_bvalid),
+      .bready_i   (s_axil_bready),
+      .araddr_i   (s_axil_araddr),
+      .arvalid_i  (s_axil_arvalid),
+      .arready_o  (s_axil_arready),
+      .rdata_o    (s_axil_rdata),
+      .rvalid_o   (s_axil_rvalid),
+      .rready_i   (s_axil_rready),
+      .busy_o     (bus_busy),
+      .wait_i     (peek_wait_q),
+      .req_o      (req),
+      .req_is_wr_o(req_is_wr),
+      .req_addr_o (req_addr),
+      .req_data_o (req_data),
+      .req_biten_o(req_biten),
+      .wr_ack_i   (wr_ack),
+      .rd_ack_i   (rd_ack),
+      .rd_data_i  (rd_data)
+  );
+  // Every address answers, and nothing is ever refused.
+  assign s_axil_bresp = 2'b00;
+  assign s_axil_rresp = 2'b00;
+
   slog_csr u_csr (
       .clk,
-      .rst(rst_i),
-      .s_axil_awready,
-      .s_axil_awvalid,
-      .s_axil_awaddr,
-      .s_axil_awprot,
-      .s_axil_wready,
-      .s_axil_wvalid,
-      .s_axil_wdata,
-      .s_axil_wstrb,
-      .s_axil_bready,
-      .s_axil_bvalid,
-      .s_axil_bresp,
-      .s_axil_arready,
-      .s_axil_arvalid,
-      .s_axil_araddr,
-      .s_axil_arprot,
-      .s_axil_rready,
-      .s_axil_rvalid,
-      .s_axil_rdata,
-      .s_axil_rresp,
+      .rst                 (rst_i),
+      .s_cpuif_req         (req),
+      .s_cpuif_req_is_wr   (req_is_wr),
+      .s_cpuif_addr        (req_addr),
+      .s_cpuif_wr_data     (req_data),
+      .s_cpuif_wr_biten    (req_biten),
+      .s_cpuif_req_stall_wr(stall_wr),
+      .s_cpuif_req_stall_rd(stall_rd),
+      .s_cpuif_rd_ack      (rd_ack),
+      .s_cpuif_rd_err      (rd_err),
+      .s_cpuif_rd_data     (rd_data),
+      .s_cpuif_wr_ack      (wr_ack),
+      .s_cpuif_wr_err      (wr_err),
       .hwif_in,
       .hwif_out
   );
@@ -172,8 +209,8 @@ module slog_control
       .rst_i,
       .go_i     (hwif_out.peek_address.go.value),
       .address_i(hwif_out.peek_address.word.value),
-      .request_i(hwif_out.peek_data.req && !hwif_out.peek_data.req_is_wr),
-      .answer_o (peek_answer),
+      .take_i   (peek_taken_q),
+      .ready_o  (peek_ready),
       .data_o   (peek_data),
       .peek_valid_o,
       .peek_ready_i,
@@ -259,8 +296,7 @@ module slog_control
     assign status.result.neighbour[k].even.next = result_i.neighbour[2*k];
     assign status.result.neighbour[k].odd.next  = result_i.neighbour[2*k+1];
   end
-  assign status.peek_data.rd_ack                 = peek_answer;
-  assign status.peek_data.rd_data.value          = peek_data;
+  assign status.peek_data.value.next             = peek_data;
   assign status.irq_status.result.next           = result_valid_i;
   assign status.irq_status.capture.next          = captured_i;
   assign status.irq_status.drop.next             = dropped_i != '0;
@@ -293,4 +329,8 @@ module slog_control
                (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value);
   end
   assign irq_o = irq_q;
+
+  // One access at a time: none is ever stalled, and PeekData is where the map has it.
+  `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
+  `SLOG_ASSERT(SlogControlPeekAddress, req && !req_is_wr |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control

@@ -35,7 +35,7 @@ def _peakrdl(*args: str | Path) -> None:
 def generate(folder: Path) -> None:
     """Write every committed output into `folder`."""
     # The read path of some fifty registers is split in two for the clock rate.
-    _peakrdl("regblock", SOURCE, "-o", folder, "--cpuif", "axi4-lite-flat", "--rt-read-fanin")
+    _peakrdl("regblock", SOURCE, "-o", folder, "--cpuif", "passthrough", "--rt-read-fanin")
     _peakrdl("c-header", SOURCE, "-o", folder / "slog_csr.h")
     _peakrdl("pyral", SOURCE, "-o", folder)
 

@@ -246,14 +246,13 @@ package slog_csr_pkg;
         slog_csr__result__neighbour__in_t neighbour[4];
     } slog_csr__result__in_t;
 
-    typedef struct packed {
-        logic [31:0] value;
-    } slog_csr__peek_data__external__fields__in_t;
+    typedef struct {
+        logic [31:0] next;
+    } slog_csr__peek_data__value__in_t;
 
     typedef struct {
-        logic rd_ack;
-        slog_csr__peek_data__external__fields__in_t rd_data;
-    } slog_csr__peek_data__external__in_t;
+        slog_csr__peek_data__value__in_t value;
+    } slog_csr__peek_data__in_t;
 
     typedef struct {
         logic next;
@@ -364,7 +363,7 @@ package slog_csr_pkg;
         slog_csr__slot_status__in_t slot_status;
         slog_csr__job__in_t job;
         slog_csr__result__in_t result;
-        slog_csr__peek_data__external__in_t peek_data;
+        slog_csr__peek_data__in_t peek_data;
         slog_csr__irq_status__in_t irq_status;
         slog_csr__counter__in_t counter;
     } slog_csr__in_t;
@@ -578,9 +577,12 @@ package slog_csr_pkg;
     } slog_csr__peek_address__out_t;
 
     typedef struct {
-        logic req;
-        logic req_is_wr;
-    } slog_csr__peek_data__external__out_t;
+        logic swacc;
+    } slog_csr__peek_data__value__out_t;
+
+    typedef struct {
+        slog_csr__peek_data__value__out_t value;
+    } slog_csr__peek_data__out_t;
 
     typedef struct {
         logic value;
@@ -631,7 +633,7 @@ package slog_csr_pkg;
         slog_csr__job__out_t job;
         slog_csr__result__out_t result;
         slog_csr__peek_address__out_t peek_address;
-        slog_csr__peek_data__external__out_t peek_data;
+        slog_csr__peek_data__out_t peek_data;
         slog_csr__irq_status__out_t irq_status;
         slog_csr__irq_enable__out_t irq_enable;
     } slog_csr__out_t;

@@ -1,0 +1,119 @@
+// AXI4-Lite to the register block's request port, one access at a time, everything that leaves it from a register.
+//
+// A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
+//
+// Latency    : a request leaves 2 clocks after the last channel of its access was accepted; bvalid follows the request by 1
+//              clock, rvalid the register block's answer by 1.
+// Throughput : an access every 4 clocks (write) or 3 + the register block's latency (read), if its response is taken at once.
+// Formats    : byte addresses; the low two bits are ignored.
+`include "slog_assert.svh"
+module slog_axil #(
+    parameter int unsigned      AddrW    = 8,
+    parameter logic [AddrW-1:0] WaitAddr = '0
+) (
+    input  logic             clk_i,
+    input  logic             rst_i,
+    // host
+    input  logic [AddrW-1:0] awaddr_i,
+    input  logic             awvalid_i,
+    output logic             awready_o,
+    input  logic [31:0]      wdata_i,
+    input  logic [3:0]       wstrb_i,
+    input  logic             wvalid_i,
+    output logic             wready_o,
+    output logic             bvalid_o,
+    input  logic             bready_i,
+    input  logic [AddrW-1:0] araddr_i,
+    input  logic             arvalid_i,
+    output logic             arready_o,
+    output logic [31:0]      rdata_o,
+    output logic             rvalid_o,
+    input  logic             rready_i,
+    output logic             busy_o,         // an access is under way
+    // register block
+    input  logic             wait_i,
+    output logic             req_o,          // pulse
+    output logic             req_is_wr_o,
+    output logic [AddrW-1:0] req_addr_o,
+    output logic [31:0]      req_data_o,
+    output logic [31:0]      req_biten_o,    // [i]: bit i is to be written
+    input  logic             wr_ack_i,
+    input  logic             rd_ack_i,
+    input  logic [31:0]      rd_data_i
+);
+  logic aw_q, w_q, ar_q;       // an address, data wait
+  logic ar_waits_q;            // ... of WaitAddr
+  logic [AddrW-1:0] awaddr_q, araddr_q, addr_q;
+  logic [31:0] wdata_q, data_q, rdata_q;
+  logic [3:0] wstrb_q, strb_q;
+  logic under_way_q, read_last_q, req_q, is_wr_q, bvalid_q, rvalid_q;
+  logic can_read, can_write, read, write;
+
+  assign can_read  = ar_q && !(ar_waits_q && wait_i) && !under_way_q;
+  assign can_write = aw_q && w_q && !under_way_q;
+  assign read      = can_read && !(can_write && read_last_q);
+  assign write     = can_write && !(can_read && !read_last_q);
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      aw_q        <= 1'b0;
+      w_q         <= 1'b0;
+      ar_q        <= 1'b0;
+      under_way_q <= 1'b0;
+      read_last_q <= 1'b0;
+      req_q       <= 1'b0;
+      bvalid_q    <= 1'b0;
+      rvalid_q    <= 1'b0;
+    end else begin
+      aw_q     <= (aw_q || awvalid_i) && !write;
+      w_q      <= (w_q || wvalid_i) && !write;
+      ar_q     <= (ar_q || arvalid_i) && !read;
+      req_q    <= read || write;
+      bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
+      rvalid_q <= rd_ack_i || (rvalid_q && !rready_i);
+      if (read || write) begin
+        under_way_q <= 1'b1;
+        read_last_q <= read;
+      end else if ((bvalid_q && bready_i) || (rvalid_q && rready_i)) begin
+        under_way_q <= 1'b0;
+      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (!aw_q) awaddr_q <= awaddr_i;
+    if (!w_q) begin
+      wdata_q <= wdata_i;
+      wstrb_q <= wstrb_i;
+    end
+    if (!ar_q) begin
+      araddr_q   <= araddr_i;
+      ar_waits_q <= araddr_i[AddrW-1:2] == WaitAddr[AddrW-1:2];
+    end
+    if (!under_way_q) begin
+      addr_q  <= write ? awaddr_q : araddr_q;
+      is_wr_q <= write;
+      data_q  <= wdata_q;
+      strb_q  <= wstrb_q;
+    end
+    if (rd_ack_i) rdata_q <= rd_data_i;
+  end
+
+  assign awready_o   = !aw_q;
+  assign wready_o    = !w_q;
+  assign arready_o   = !ar_q;
+  assign bvalid_o    = bvalid_q;
+  assign rvalid_o    = rvalid_q;
+  assign rdata_o     = rdata_q;
+  assign busy_o      = aw_q || w_q || ar_q || under_way_q;
+  assign req_o       = req_q;
+  assign req_is_wr_o = is_wr_q;
+  assign req_addr_o  = addr_q & ~AddrW'(3);
+  assign req_data_o  = data_q;
+  for (genvar i = 0; i < 4; i++) begin : g_byte
+    assign req_biten_o[8*i+:8] = {8{strb_q[i]}};
+  end
+
+  `SLOG_ASSERT(SlogAxilAnswerExpected, wr_ack_i || rd_ack_i |-> under_way_q && !(wr_ack_i && rd_ack_i))
+  `SLOG_ASSERT_STABLE(SlogAxilReadStable, rvalid_o, rready_i, rdata_o)
+endmodule : slog_axil
