@@ -9,8 +9,8 @@ from sim.toolchain import RTL
 
 BREAKS = {
     "late pointer": ("head_q <= (head_q == Last)", "head_q <= (head_q + 1'b1 == Last)", r"clock \d+: out_data_o is"),
-    "off by one": ("level_q != LevelW'(Depth);", "level_q != LevelW'(Depth - 1);", r"clock \d+: in_ready_o is"),
-    "lost word": ("level_q + LevelW'(push)", "level_q + LevelW'(push && !pop)", r"clock \d+: \w+ is"),
+    "off by one": ("level_q == LevelW'(Depth - 1)));", "level_q == LevelW'(Depth - 2)));", r"clock \d+: in_ready_o is"),
+    "lost word": ("some_q <= push ||", "some_q <= (push && !pop) ||", r"clock \d+: \w+ is"),
 }
 
 

@@ -1,4 +1,4 @@
-// First-in first-out queue with registered storage and a combinational front.
+// First-in first-out queue with registered storage and flags and a combinational front.
 //
 // Latency    : a word pushed in clock t is offered in clock t+1.
 // Throughput : one push and one pop per clock, also when full (a pop frees its place in the next clock).
@@ -25,14 +25,15 @@ module slog_fifo #(
   logic [Width-1:0] mem_q[Depth];
   logic [AddrW-1:0] head_q, tail_q;
   logic [LevelW-1:0] level_q;
+  logic full_q, some_q;  // level_q == Depth; level_q != 0
   logic push, pop;
 
-  assign in_ready_o  = level_q != LevelW'(Depth);
-  assign out_valid_o = level_q != '0;
+  assign in_ready_o  = !full_q;
+  assign out_valid_o = some_q;
   assign out_data_o  = mem_q[head_q];
   assign level_o     = level_q;
-  assign push        = in_valid_i && in_ready_o;
-  assign pop         = out_valid_o && out_ready_i;
+  assign push        = in_valid_i && !full_q;
+  assign pop         = some_q && out_ready_i;
 
   always_ff @(posedge clk_i) begin
     if (push) mem_q[tail_q] <= in_data_i;
@@ -43,13 +44,18 @@ module slog_fifo #(
       head_q  <= '0;
       tail_q  <= '0;
       level_q <= '0;
+      full_q  <= 1'b0;
+      some_q  <= 1'b0;
     end else begin
       if (push) tail_q <= (tail_q == Last) ? '0 : tail_q + 1'b1;
       if (pop) head_q <= (head_q == Last) ? '0 : head_q + 1'b1;
-      level_q <= level_q + LevelW'(push) - LevelW'(pop);
+      if (push != pop) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
+      full_q <= !pop && (full_q || (in_valid_i && level_q == LevelW'(Depth - 1)));
+      some_q <= push || (some_q && !(out_ready_i && level_q == LevelW'(1)));
     end
   end
 
   `SLOG_ASSERT(SlogFifoLevelInRange, level_q <= LevelW'(Depth))
+  `SLOG_ASSERT(SlogFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (level_q != '0))
   `SLOG_ASSERT_STABLE(SlogFifoOutStable, out_valid_o, out_ready_i, out_data_o)
 endmodule : slog_fifo

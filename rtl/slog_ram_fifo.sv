@@ -30,7 +30,7 @@ module slog_ram_fifo #(
   logic [LevelW-1:0] level_q;   // words inside
   logic [LevelW-1:0] stored_q;  // words in the RAM not asked for yet
   logic [OutLevelW-1:0] free_q;  // places of the output queue not spoken for
-  logic full_q, some_q;          // level_q == Depth; stored_q != 0
+  logic full_q, some_q, room_q;  // level_q == Depth; stored_q != 0; free_q != 0
   logic read_q, read_q2;         // a word is on its way
   logic push, pop, read;
   logic [Width-1:0] ram_data;
@@ -39,7 +39,7 @@ module slog_ram_fifo #(
   assign level_o    = level_q;
   assign push       = in_valid_i && !full_q;
   assign pop        = out_valid_o && out_ready_i;
-  assign read       = some_q && free_q != '0;
+  assign read       = some_q && room_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -50,18 +50,20 @@ module slog_ram_fifo #(
       free_q   <= OutLevelW'(OutDepth);
       full_q   <= 1'b0;
       some_q   <= 1'b0;
+      room_q   <= 1'b1;
       read_q   <= 1'b0;
       read_q2  <= 1'b0;
     end else begin
       if (push) tail_q <= (tail_q == Last) ? '0 : tail_q + 1'b1;
       if (read) head_q <= (head_q == Last) ? '0 : head_q + 1'b1;
-      level_q  <= level_q + LevelW'(push) - LevelW'(pop);
-      stored_q <= stored_q + LevelW'(push) - LevelW'(read);
-      free_q   <= free_q + OutLevelW'(pop) - OutLevelW'(read);
-      full_q   <= !pop && (full_q || (push && level_q == LevelW'(Depth - 1)));
-      some_q   <= push || stored_q > LevelW'(1) || (some_q && !read);
-      read_q   <= read;
-      read_q2  <= read_q;
+      if (push != pop) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
+      if (push != read) stored_q <= push ? stored_q + 1'b1 : stored_q - 1'b1;
+      if (pop != read) free_q <= pop ? free_q + 1'b1 : free_q - 1'b1;
+      full_q  <= !pop && (full_q || (in_valid_i && level_q == LevelW'(Depth - 1)));
+      some_q  <= push || stored_q > LevelW'(1) || (some_q && !room_q);
+      room_q  <= pop || free_q > OutLevelW'(1) || (room_q && !some_q);
+      read_q  <= read;
+      read_q2 <= read_q;
     end
   end
 
@@ -78,5 +80,6 @@ module slog_ram_fifo #(
   `SLOG_ASSERT(SlogRamFifoOutHasRoom, !read_q2 || out_room)
   `SLOG_ASSERT(SlogRamFifoPlaces,
                32'(free_q) + 32'(out_level) + 32'(read_q) + 32'(read_q2) == OutDepth)
-  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (stored_q != '0))
+  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (stored_q != '0)
+                                 && room_q == (free_q != '0))
 endmodule : slog_ram_fifo
