@@ -1,6 +1,5 @@
 slog_pkg.sv
 slog_array_pkg.sv
-slog_compare_pkg.sv
 slog_peak_pkg.sv
 slog_store_pkg.sv
 slog_fetch_pkg.sv

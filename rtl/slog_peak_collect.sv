@@ -3,14 +3,13 @@
 // runner-up after a row = max(other, fresh ? far : runner-up before), with the row's outcome_t.
 //
 // Neighbours leave one clock after the job's last column; the verdict three clocks after the last far_valid_i:
-//   0  far_valid_i      1  compare bytes      2  verdict, select      3  verdict_valid_o
+//   0  far_valid_i      1  compare      2  select      3  verdict_valid_o
 // Throughput : a row in two clocks, columns one per clock. Never stalls: its user keeps room for both outputs.
 // Formats    : absent scores leave as NoScore.
 `include "slog_assert.svh"
 module slog_peak_collect
   import slog_pkg::*;
   import slog_peak_pkg::*;
-  import slog_compare_pkg::*;
 (
     input  logic                   clk_i,
     input  logic                   rst_i,
@@ -61,7 +60,7 @@ module slog_peak_collect
   logic s1_valid_q, s2_valid_q, s3_valid_q;
   maybe_t s1_far_q, s2_far_q, runner_up_q;
   outcome_t s1_outcome_q, s2_outcome_q;
-  partial_t s2_against_far_q, s2_against_held_q;
+  logic s2_above_far_q, s2_above_held_q;
   verdict_t s3_verdict_q;  // all but the runner-up
 
   always_ff @(posedge clk_i) begin
@@ -84,16 +83,16 @@ module slog_peak_collect
       s1_far_q     <= far_i;
     end
     if (s1_valid_q) begin
-      s2_outcome_q      <= s1_outcome_q;
-      s2_far_q          <= s1_far_q;
-      s2_against_far_q  <= compare(32'(s1_outcome_q.other), 32'(s1_far_q));
-      s2_against_held_q <= compare(32'(s1_outcome_q.other), 32'(runner_up_q));
+      s2_outcome_q    <= s1_outcome_q;
+      s2_far_q        <= s1_far_q;
+      s2_above_far_q  <= s1_outcome_q.other > s1_far_q;
+      s2_above_held_q <= s1_outcome_q.other > runner_up_q;
     end
     if (s2_valid_q) begin
       s3_verdict_q <= '{tag: s2_outcome_q.tag, status: s2_outcome_q.status, best_x: s2_outcome_q.best_x,
                         best_y: s2_outcome_q.best_y, score: or_no_score(s2_outcome_q.score), runner_up: '0};
-      if (s2_outcome_q.fresh) runner_up_q <= is_above(s2_against_far_q) ? s2_outcome_q.other : s2_far_q;
-      else if (is_above(s2_against_held_q)) runner_up_q <= s2_outcome_q.other;
+      if (s2_outcome_q.fresh) runner_up_q <= s2_above_far_q ? s2_outcome_q.other : s2_far_q;
+      else if (s2_above_held_q) runner_up_q <= s2_outcome_q.other;
     end
   end
 

@@ -23,6 +23,8 @@ package slog_peak_pkg;
   // What is needed while the scores of a row come in.
   typedef struct packed {
     logic              surface;
+    logic              one;      // one offset across
+    logic              two;
     logic [ScoreW-1:0] area;
   } scoring_t;
 
