@@ -159,7 +159,8 @@ def scan(rng: random.Random, shape: str) -> Stimulus:
     while True:
         last_x = rng.choice((0, 0, 1, 2, 6, 23))
         top = rng.choice((1, FEW, PRESENT - 1))
-        order = anything(rng, SCAN, only=int(not last_x or rng.random() < 0.2), last_x=last_x,
+        only = int(not last_x or rng.random() < 0.2)
+        order = anything(rng, SCAN, only=only, brief=int(only or last_x == 1), last_x=last_x,
                          best_x=rng.choice((0, last_x, rng.randint(0, last_x))))
         while True:
             data = [rng.randint(0, top) for _ in range(BANKS)]
@@ -174,22 +175,23 @@ def scan(rng: random.Random, shape: str) -> Stimulus:
 def collect(rng: random.Random, shape: str) -> Stimulus:
     ends = willing(shape, rng)
     # A job begins with a first column and a row that holds its best.
-    yield {"near_valid_i": 1, "near_first_i": 1, "far_valid_i": 1, "far_i": maybe(rng, FEW),
+    yield {"near_first_i": 1, "far_valid_i": 1, "far_i": maybe(rng, FEW),
            "outcome_i": anything(rng, OUTCOME, fresh=1, other=maybe(rng, FEW), score=maybe(rng, FEW))}
     far = 1
     while True:
         top = rng.choice((1, FEW, PRESENT - 1))
         far = int(not far and next(ends))
         flags = {f"near_{n}_i": int(rng.random() < 0.3) for n in ("first", "end", "west", "centre", "east")}
-        yield {**flags, "near_valid_i": rng.getrandbits(1), "far_valid_i": far, "far_i": maybe(rng, top),
+        yield {**flags, "far_valid_i": far, "far_i": maybe(rng, top),
                **{f"near_{n}_i": maybe(rng, top) for n in ("above", "middle", "below")},
                "outcome_i": anything(rng, OUTCOME, other=maybe(rng, top), score=maybe(rng, top))}
 
 
-TRAFFIC = {"stage": stage, "room": room, "rows": rows, "intake": intake, "max": running_max, "best": best, "scan": scan,
-           "collect": collect}
-COUNTED = ("stage_out_valid_o", "room_row_ready_o", "rows_row_coming_o", "intake_score_valid_o", "intake_surf_valid_o",
-           "max_out_valid_o", "best_order_valid_o", "scan_near_valid_o", "scan_far_valid_o", "collect_around_valid_o",
+TRAFFIC = {"stage": stage, "half": stage, "room": room, "rows": rows, "intake": intake, "max": running_max,
+           "best": best, "scan": scan, "collect": collect}
+COUNTED = ("stage_out_valid_o", "half_out_valid_o", "room_row_ready_o", "rows_row_coming_o",
+           "intake_score_valid_o", "intake_surf_valid_o",
+           "max_out_valid_o", "best_order_valid_o", "scan_near_first_o", "scan_far_valid_o", "collect_around_valid_o",
            "collect_verdict_valid_o")
 
 
@@ -216,7 +218,8 @@ async def every_clock(dut, shape: str) -> None:
         seen.update(n for n in COUNTED if out[n])
 
     p = params()
-    model = SideBySide(stage=StageModel(), room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]), rows=RowsModel(),
+    model = SideBySide(stage=StageModel(), half=StageModel(half=True), rows=RowsModel(),
+                       room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]),
                        intake=IntakeModel(BANKS), max=RunningMaxModel(), best=BestModel(), scan=ScanModel(BANKS),
                        collect=CollectModel())
     await check_cycles(dut, model, together(rng, shape), count)

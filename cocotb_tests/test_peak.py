@@ -6,7 +6,7 @@ from sim.runner import simulate
 
 PARTS = ("running_max", "peak_room", "peak_rows", "peak_intake", "peak_best", "peak_scan", "peak_collect")
 SOURCES = [f"rtl/slog_{name}.sv" for name in
-           ("pkg", "peak_pkg", "ram", "fifo", "stage", "ram_fifo", *PARTS, "peak")]
+           ("pkg", "compare_pkg", "peak_pkg", "ram", "fifo", "stage", "ram_fifo", *PARTS, "peak")]
 
 
 @pytest.mark.parametrize(("max_offsets", "score_bits", "score_depth", "result_depth", "testcase"), [

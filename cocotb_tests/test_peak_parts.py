@@ -3,7 +3,7 @@
 from cocotb_tests.test_peak import PARTS
 from sim.runner import simulate
 
-SOURCES = ["rtl/slog_pkg.sv", "rtl/slog_peak_pkg.sv", "rtl/slog_stage.sv",
+SOURCES = ["rtl/slog_pkg.sv", "rtl/slog_compare_pkg.sv", "rtl/slog_peak_pkg.sv", "rtl/slog_stage.sv",
            *(f"rtl/slog_{name}.sv" for name in PARTS),
            "sim/tb/tb_peak_parts.sv"]
 

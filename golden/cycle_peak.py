@@ -62,9 +62,9 @@ class PeakModel:
 
     def clear(self) -> None:
         """Empty the queues between the parts."""
-        self.contexts, self.context = deque[int](), StageModel()
+        self.contexts, self.context = deque[int](), StageModel(half=True)
         self.surface: deque[tuple[int, int, int]] = deque()
-        self.begun, self.begun_row = deque[int](), StageModel()
+        self.begun, self.begun_row = deque[int](), StageModel(half=True)
         self.tops: deque[tuple[int, int]] = deque()
         self.outcomes = deque[int]()
         self.taken: int | None = None
@@ -140,8 +140,8 @@ class PeakModel:
 
     def gather(self, rst: int, scan: Outputs) -> Outputs:
         """Outputs of the collection of neighbours and runner-up."""
-        near = {name.replace("_o", "_i"): known(scan[name]) for name in (*ScanModel.NEAR, "near_valid_o", "near_end_o",
-                                                                        "far_valid_o", "far_o")}
+        near = {name.replace("_o", "_i"): known(scan[name])
+                for name in (*ScanModel.FLAGS, *ScanModel.VALUES, "far_valid_o", "far_o")}
         return self.collect.step({"rst_i": rst, **near, "outcome_i": self.outcomes[0] if self.outcomes else 0})
 
     def take_in(self, i: dict[str, int], out: Outputs, released: int) -> tuple[Outputs, int | None]:

@@ -15,7 +15,7 @@ from golden.structs import CONTEXT, Layout
 PRESENT = 1 << SCORE_BITS
 ROW = Layout(("tag", 16), ("status", 3), ("last_x", 10), ("y", 10), ("first", 1), ("last", 1))
 SCORING = Layout(("surface", 1), ("one", 1), ("two", 1), ("area", 15))
-SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("only", 1),
+SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("only", 1), ("brief", 1),
               ("last_x", 10), ("best_x", 10))
 OUTCOME = Layout(("fresh", 1), ("last", 1), ("other", 16), ("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10),
                  ("score", 16))
@@ -165,7 +165,8 @@ class BestModel:
 
     INPUTS = ("rst_i", "row_valid_i", "row_i", "top_level_i", "top_coming_i", "top_score_i", "top_x_i", "room_i",
               "order_room_i")
-    OUTPUTS = ("row_ready_o", "top_ready_o", "order_valid_o", "order_o", "outcome_o", "released_o")
+    OUTPUTS = ("row_ready_o", "top_ready_o", "order_valid_o", "outcome_valid_o", "order_o", "outcome_o",
+               "released_o")
 
     def __init__(self) -> None:
         self.clear()
@@ -182,17 +183,18 @@ class BestModel:
         """Order and outcome of the row."""
         row, tops = self.row, self.tops
         if row["status"] != Status.OK:
-            return (SCAN.pack({"fresh": 1, "last": row["last"], "above": 0, "middle": 0, "below": not row["last"],
-                               "only": 1, "last_x": row["last_x"], "best_x": tops[-1][1]}),
+            return (SCAN.pack({"fresh": 1, "last": row["last"], "above": not row["first"], "middle": 0,
+                               "below": not row["last"], "only": 1, "brief": 1, "last_x": row["last_x"],
+                               "best_x": tops[-1][1]}),
                     OUTCOME.pack({**row, "fresh": 1, "other": 0, "best_x": 0, "best_y": row["y"], "score": 0}))
         scores = [score for score, _ in tops]
         r, best = len(tops) - 1, scores.index(max(scores))
         fresh = best == r
         # What the scan will not see: rows above its three, or, without a scan, a row below the neighbourhood.
         candidates = scores[:max(r - 1, 0)] if fresh else scores[r:] if r >= best + 2 else []
-        order = {"fresh": fresh, "last": row["last"], "above": fresh and not row["first"], "middle": fresh,
-                 "below": fresh and not row["last"], "only": not (fresh and row["last_x"]), "last_x": row["last_x"],
-                 "best_x": tops[r][1]}
+        order = {"fresh": fresh, "last": row["last"], "above": not row["first"], "middle": 1,
+                 "below": not row["last"], "only": not (fresh and row["last_x"]),
+                 "brief": not (fresh and row["last_x"] > 1), "last_x": row["last_x"], "best_x": tops[r][1]}
         outcome = {**row, "fresh": fresh, "other": PRESENT + max(candidates) if candidates else 0,
                    "best_x": tops[best][1], "best_y": best, "score": PRESENT + scores[best]}
         return SCAN.pack(order), OUTCOME.pack(outcome)
@@ -205,7 +207,8 @@ class BestModel:
         load = self.complete and (hand or not self.held)
         order, outcome = self.decided() if hand else (None, None)
         out: Outputs = {"row_ready_o": int(load), "top_ready_o": int(load and not refused),
-                        "order_valid_o": int(hand), "order_o": order, "outcome_o": outcome,
+                        "order_valid_o": int(hand), "outcome_valid_o": int(hand), "order_o": order,
+                        "outcome_o": outcome,
                         "released_o": (not row["first"]) + row["last"] if hand else 0}
         level = i["top_level_i"] + i["top_coming_i"]
         self.complete = bool(i["row_valid_i"] and (refused or level >= 2 or (coming["last"] and level)))
@@ -224,9 +227,9 @@ class ScanModel:
     """`slog_peak_scan`: columns near the best three clocks after their read, the best of all others ten."""
 
     INPUTS = ("rst_i", "order_valid_i", "order_i", "data_i")
-    NEAR = ("near_first_o", "near_west_o", "near_centre_o", "near_east_o", "near_above_o", "near_middle_o",
-            "near_below_o")
-    OUTPUTS = ("order_room_o", "read_o", "read_x_o", "near_valid_o", "near_end_o", *NEAR, "far_valid_o", "far_o")
+    FLAGS = ("near_end_o", "near_first_o", "near_west_o", "near_centre_o", "near_east_o")
+    VALUES = ("near_above_o", "near_middle_o", "near_below_o")
+    OUTPUTS = ("order_room_o", "read_o", "read_x_o", *FLAGS, *VALUES, "far_valid_o", "far_o")
 
     def __init__(self, banks: int) -> None:
         self.banks = banks
@@ -254,10 +257,10 @@ class ScanModel:
         read = 0
         if o is not None:
             read = sum(1 << (self.bank + d) % banks
-                       for name, d in (("above", -1), ("middle", 0), ("below", 1)) if o[name])
+                       for name, d in (("above", -1), ("middle", 0), ("below", 1)) if o["fresh"] and o[name])
         far = self.far.popleft()
         out: Outputs = {"order_room_o": int(self.room), "read_o": read, "read_x_o": self.x if o else None,
-                        "near_valid_o": 0, "near_end_o": 0, **dict.fromkeys(self.NEAR), **(self.near or {}),
+                        **dict.fromkeys(self.FLAGS, 0), **dict.fromkeys(self.VALUES), **(self.near or {}),
                         "far_valid_o": int(far is not None), "far_o": far}
         o = None if self.wait else o
         if i["rst_i"]:
@@ -281,15 +284,14 @@ class ScanModel:
 
     def take_column(self, o: dict[str, int], x: int, bank: int, data: int) -> int | None:
         """Note a column; returns the best outside the neighbourhood when the row is through."""
-        values = [PRESENT + (data >> (bank + d) % self.banks * SCORE_BITS) % PRESENT if o[name] else 0
+        values = [PRESENT + (data >> (bank + d) % self.banks * SCORE_BITS) % PRESENT if o["fresh"] and o[name] else 0
                   for name, d in (("above", -1), ("middle", 0), ("below", 1))]
         side = x - o["best_x"]
-        self.near = {"near_valid_o": o["fresh"], "near_end_o": int(o["last"] and x == o["last_x"]),
-                     "near_first_o": int(x == 0), "near_west_o": int(side == -1), "near_centre_o": int(side == 0),
-                     "near_east_o": int(side == 1),
+        self.near = {"near_end_o": int(o["last"] and x == o["last_x"]), "near_first_o": int(x == 0),
+                     "near_west_o": int(side == -1), "near_centre_o": int(side == 0), "near_east_o": int(side == 1),
                      **dict(zip(("near_above_o", "near_middle_o", "near_below_o"), values, strict=True))}
         if not o["fresh"]:
-            self.near = {**self.near, **dict.fromkeys(self.NEAR)}
+            self.near = {"near_end_o": self.near["near_end_o"]}
         if x == 0:
             self.outside = []
         self.outside += values if abs(side) > 1 else [0]
@@ -299,7 +301,7 @@ class ScanModel:
 class CollectModel:
     """`slog_peak_collect`: a job's neighbours, and its verdict three clocks after its last row's scan."""
 
-    INPUTS = ("rst_i", "near_valid_i", "near_first_i", "near_end_i", "near_west_i", "near_centre_i", "near_east_i",
+    INPUTS = ("rst_i", "near_first_i", "near_end_i", "near_west_i", "near_centre_i", "near_east_i",
               "near_above_i", "near_middle_i", "near_below_i", "far_valid_i", "far_i", "outcome_i")
     OUTPUTS = ("around_valid_o", "around_o", "verdict_valid_o", "verdict_o")
     COLUMNS = (("near_west_i", (0, 3, 5)), ("near_centre_i", (1, None, 6)), ("near_east_i", (2, 4, 7)))
@@ -317,13 +319,12 @@ class CollectModel:
         out: Outputs = {"around_valid_o": self.ended, "around_o": around if self.ended else None,
                         "verdict_valid_o": int(verdict is not None), "verdict_o": verdict}
         self.ended = i["near_end_i"]
-        if i["near_valid_i"]:
-            if i["near_first_i"]:
-                self.around = [0] * 8
-            for flag, places in self.COLUMNS:
-                for place, row in zip(places, ("near_above_i", "near_middle_i", "near_below_i"), strict=True):
-                    if i[flag] and place is not None:
-                        self.around[place] = i[row]
+        if i["near_first_i"]:
+            self.around = [0] * 8
+        for flag, places in self.COLUMNS:
+            for place, row in zip(places, ("near_above_i", "near_middle_i", "near_below_i"), strict=True):
+                if i[flag] and place is not None:
+                    self.around[place] = i[row]
         done = None
         if i["far_valid_i"]:
             o = OUTCOME.unpack(i["outcome_i"])

@@ -1,5 +1,6 @@
 slog_pkg.sv
 slog_array_pkg.sv
+slog_compare_pkg.sv
 slog_peak_pkg.sv
 slog_store_pkg.sv
 slog_fetch_pkg.sv

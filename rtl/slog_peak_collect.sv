@@ -10,11 +10,11 @@
 module slog_peak_collect
   import slog_pkg::*;
   import slog_peak_pkg::*;
+  import slog_compare_pkg::*;
 (
     input  logic                   clk_i,
     input  logic                   rst_i,
     // Columns of slog_peak_scan.
-    input  logic                   near_valid_i,
     input  logic                   near_first_i,
     input  logic                   near_end_i,
     input  logic                   near_west_i,
@@ -36,20 +36,20 @@ module slog_peak_collect
   logic around_end_q;
 
   // A place is absent from the first column on until its column goes by.
-  function automatic maybe_t next_around(maybe_t held, logic hit, maybe_t value, logic first);
-    return hit ? value : first ? '0 : held;
-  endfunction
-
   always_ff @(posedge clk_i) begin
-    if (near_valid_i) begin
-      around_q[0] <= next_around(around_q[0], near_west_i, near_above_i, near_first_i);
-      around_q[1] <= next_around(around_q[1], near_centre_i, near_above_i, near_first_i);
-      around_q[2] <= next_around(around_q[2], near_east_i, near_above_i, near_first_i);
-      around_q[3] <= next_around(around_q[3], near_west_i, near_middle_i, near_first_i);
-      around_q[4] <= next_around(around_q[4], near_east_i, near_middle_i, near_first_i);
-      around_q[5] <= next_around(around_q[5], near_west_i, near_below_i, near_first_i);
-      around_q[6] <= next_around(around_q[6], near_centre_i, near_below_i, near_first_i);
-      around_q[7] <= next_around(around_q[7], near_east_i, near_below_i, near_first_i);
+    if (near_west_i || near_first_i) begin
+      around_q[0] <= near_west_i ? near_above_i : '0;
+      around_q[3] <= near_west_i ? near_middle_i : '0;
+      around_q[5] <= near_west_i ? near_below_i : '0;
+    end
+    if (near_centre_i || near_first_i) begin
+      around_q[1] <= near_centre_i ? near_above_i : '0;
+      around_q[6] <= near_centre_i ? near_below_i : '0;
+    end
+    if (near_east_i || near_first_i) begin
+      around_q[2] <= near_east_i ? near_above_i : '0;
+      around_q[4] <= near_east_i ? near_middle_i : '0;
+      around_q[7] <= near_east_i ? near_below_i : '0;
     end
   end
 
@@ -78,15 +78,13 @@ module slog_peak_collect
   end
 
   always_ff @(posedge clk_i) begin
-    if (far_valid_i) begin
-      s1_outcome_q <= outcome_i;
-      s1_far_q     <= far_i;
-    end
+    s1_outcome_q <= outcome_i;
+    s1_far_q     <= far_i;
     if (s1_valid_q) begin
       s2_outcome_q    <= s1_outcome_q;
       s2_far_q        <= s1_far_q;
-      s2_above_far_q  <= s1_outcome_q.other > s1_far_q;
-      s2_above_held_q <= s1_outcome_q.other > runner_up_q;
+      s2_above_far_q  <= is_above(32'(s1_outcome_q.other), 32'(s1_far_q));
+      s2_above_held_q <= is_above(32'(s1_outcome_q.other), 32'(runner_up_q));
     end
     if (s2_valid_q) begin
       s3_verdict_q <= '{tag: s2_outcome_q.tag, status: s2_outcome_q.status, best_x: s2_outcome_q.best_x,

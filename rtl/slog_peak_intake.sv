@@ -48,57 +48,58 @@ module slog_peak_intake
   localparam int unsigned UsedW = $clog2(Banks + 1);
 
   // The row that is coming in, as far as stage 0 needs it.
-  logic idle_q, surface_q;
+  logic idle_q, run_q, surface_q;  // run_q: !idle_q
   logic go_q;            // takes a score
   logic end_q, near_q;   // the next score is the row's last, last but one
   logic ending_q;        // go_q && end_q
   logic [9:0] left_q;    // scores after the next one
-  logic pop, close, fill, take, idle, surface, ends;
+  logic pop, close, fill, take, row_go, run_go;
   // Banks.
-  logic [UsedW-1:0] used_q;
+  logic [UsedW-1:0] used_q;  // as of the clock before, what came back since counted
+  logic take_q;
   logic open_q;  // a bank is free and a row is there
 
   assign mismatch_ready_o = go_q;
   assign pop              = mismatch_valid_i && go_q;
   assign close            = mismatch_valid_i && ending_q;
-  assign fill             = idle_q || close;
+  assign fill             = !run_q || close;
   assign take             = open_q && fill;
   assign row_taken_o      = take;
-
-  // Whatever stands at the input is loaded when a row may be taken: without one all of it waits for idle_q to fall.
-  always_comb begin
-    idle    = take ? row_refused_i : fill;
-    surface = fill ? scoring_i.surface : surface_q;
-    ends    = fill ? scoring_i.one : pop ? near_q : end_q;
-  end
+  // The row that waits, the one that runs, would take a score in the next clock.
+  assign row_go           = !row_refused_i && (surf_ok_i || !scoring_i.surface);
+  assign run_go           = surf_ok_i || !surface_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       idle_q   <= 1'b1;
+      run_q    <= 1'b0;
       go_q     <= 1'b0;
       ending_q <= 1'b0;
       open_q   <= 1'b0;
       used_q   <= '0;
     end else begin
-      idle_q   <= idle;
-      go_q     <= !idle && (surf_ok_i || !surface);
-      ending_q <= !idle && (surf_ok_i || !surface) && ends;
-      open_q   <= row_coming_i && !take && (used_q != UsedW'(Banks) || released_i != '0);
-      used_q   <= used_q + UsedW'(take) - UsedW'(released_i);
+      // With fill, a row is taken if one may be (open_q).
+      idle_q   <= fill && !(open_q && !row_refused_i);
+      run_q    <= !fill || (open_q && !row_refused_i);
+      go_q     <= fill ? open_q && row_go : run_go;
+      ending_q <= fill ? open_q && row_go && scoring_i.one : run_go && (pop ? near_q : end_q);
+      open_q   <= row_coming_i && !take && (used_q != UsedW'(Banks) - UsedW'(take_q) || released_i != '0);
+      used_q   <= used_q + UsedW'(take_q) - UsedW'(released_i);
     end
   end
 
+  // Whatever stands at the input is loaded when a row may be taken; while idle again and again, until one is.
   always_ff @(posedge clk_i) begin
-    surface_q <= surface;
-    end_q     <= ends;
     if (idle_q || pop) begin
+      end_q  <= (idle_q || end_q) ? scoring_i.one : near_q;
       near_q <= (idle_q || end_q) ? scoring_i.two : left_q == 10'd2;
       left_q <= (idle_q || end_q) ? row_last_x_i : left_q - 10'd1;
+      if (idle_q || end_q) surface_q <= scoring_i.surface;
     end
   end
 
   // Stage 1: the row follows a clock behind, its first score at the earliest two.
-  logic take_q, s1_valid_q, s1_last_q, begin_q, first_row_q, last_row_q, surface_row_q;
+  logic s1_valid_q, s1_last_q, begin_q, first_row_q, last_row_q, surface_row_q;
   logic [ScoreBits-1:0] s1_mismatch_q;
   logic [9:0] x_q;
   logic [ScoreW-1:0] area_q;
@@ -161,7 +162,8 @@ module slog_peak_intake
   assign surf_first_o  = s2_surf_first_q;
   assign surf_last_o   = s2_surf_last_q;
 
-  `SLOG_ASSERT(SlogPeakIntakeBanks, used_q <= UsedW'(Banks) && UsedW'(released_i) <= used_q)
+  `SLOG_ASSERT(SlogPeakIntakeBanks, used_q + UsedW'(take_q) <= UsedW'(Banks)
+                                    && UsedW'(released_i) <= used_q + UsedW'(take_q))
   `SLOG_ASSERT(SlogPeakIntakeEnd, idle_q || (end_q == (left_q == '0) && near_q == (left_q == 10'd1)))
   `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= area_q)
 endmodule : slog_peak_intake

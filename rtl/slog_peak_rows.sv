@@ -20,21 +20,25 @@ module slog_peak_rows
     output scoring_t scoring_o
 );
   logic load_q, step_q;  // nothing more to offer; a row was taken and the job has more
+  logic some_q, load;    // !load_q: apart from it, because that enables all of the data
   row_t row_q;
   scoring_t scoring_q;
   logic [9:0] left_q;  // rows after this one
 
-  assign ctx_ready_o  = load_q;
-  assign row_coming_o = ctx_valid_i || !load_q;
+  assign load         = (row_taken_i && row_q.last) || (!some_q && !ctx_valid_i);
+  assign ctx_ready_o  = !some_q;
+  assign row_coming_o = ctx_valid_i || some_q;
   assign row_o        = row_q;
   assign scoring_o    = scoring_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       load_q <= 1'b1;
+      some_q <= 1'b0;
       step_q <= 1'b0;
     end else begin
-      load_q <= (row_taken_i && row_q.last) || (load_q && !ctx_valid_i);
+      load_q <= load;
+      some_q <= !load;
       step_q <= row_taken_i && !row_q.last;
     end
   end
@@ -46,16 +50,16 @@ module slog_peak_rows
       row_q.last_x <= ctx_i.offsets_x - 10'd1;
       row_q.y      <= '0;
       row_q.first  <= 1'b1;
-      row_q.last   <= ctx_i.status != StatusOk || ctx_i.offsets_y == 10'd1;
       left_q       <= ctx_i.offsets_y - 10'd1;
       scoring_q    <= '{surface: ctx_i.surface, one: ctx_i.offsets_x == 10'd1, two: ctx_i.offsets_x == 10'd2,
                         area: ctx_i.area};
     end else if (step_q) begin
       row_q.y     <= row_q.y + 10'd1;
       row_q.first <= 1'b0;
-      row_q.last  <= left_q == 10'd1;
       left_q      <= left_q - 10'd1;
     end
+    if (!some_q) row_q.last <= ctx_i.status != StatusOk || ctx_i.offsets_y == 10'd1;
+    else if (step_q) row_q.last <= left_q == 10'd1;
   end
 
   `SLOG_ASSERT(SlogPeakRowsThere, !row_taken_i || !(load_q || step_q))

@@ -12,6 +12,7 @@
 module slog_peak_scan
   import slog_pkg::*;
   import slog_peak_pkg::*;
+  import slog_compare_pkg::*;
 #(
     parameter int unsigned Banks = 4
 ) (
@@ -25,7 +26,6 @@ module slog_peak_scan
     output logic [9:0]                   read_x_o,
     input  logic [Banks-1:0][ScoreW-1:0] data_i,
     // A column of a row that holds the best so far.
-    output logic                         near_valid_o,
     output logic                         near_first_o,   // of the scan
     output logic                         near_end_o,     // of the job; also after a row that does not hold the best
     output logic                         near_west_o,    // the column left of the best, at it, right of it
@@ -40,17 +40,13 @@ module slog_peak_scan
 );
   // A column on its way from the read to the row registers.
   typedef struct packed {
-    logic             first;
-    logic             last;
-    logic             fresh;
-    logic             job_end;
-    logic             west;
-    logic             centre;
-    logic             east;
-    logic             above;
-    logic             middle;
-    logic             below;
-    logic [Banks-1:0] bank;    // the scanned row's, one-hot
+    logic first;
+    logic last;
+    logic fresh;
+    logic job_end;
+    logic west;
+    logic centre;
+    logic east;
   } column_t;
 
   // Stage 0.
@@ -58,8 +54,7 @@ module slog_peak_scan
   logic reading_q;  // x_q is a column of the order; low in the clock before an only column
   logic room_q;     // no more than one clock of the order is left after this one
   logic [9:0] x_q, left_q;
-  logic [10:0] west_q, east_q;  // columns beside the best; 11 bits, so that -1 is no column
-  logic [9:0] centre_q;
+  logic [10:0] until_q;  // columns from here to the best
   logic fresh_q, job_last_q, above_q, middle_q, below_q;
   logic [Banks-1:0] bank_q, next_bank, read_q;
 
@@ -79,9 +74,9 @@ module slog_peak_scan
     end else if (order_valid_i) begin
       busy_q    <= 1'b1;
       last_q    <= 1'b0;
-      room_q    <= order_i.only || order_i.last_x == 10'd1;
+      room_q    <= order_i.brief;
       reading_q <= !order_i.only;
-      read_q    <= (next_bank & {Banks{order_i.middle}})
+      read_q    <= !order_i.fresh ? '0 : (next_bank & {Banks{order_i.middle}})
                  | ({next_bank[0], next_bank[Banks-1:1]} & {Banks{order_i.above}})
                  | ({next_bank[Banks-2:0], next_bank[Banks-1]} & {Banks{order_i.below}});
       bank_q    <= next_bank;
@@ -98,12 +93,10 @@ module slog_peak_scan
     if (order_valid_i) begin
       fresh_q    <= order_i.fresh;
       job_last_q <= order_i.last;
-      above_q    <= order_i.above;
-      middle_q   <= order_i.middle;
-      below_q    <= order_i.below;
-      centre_q   <= order_i.best_x;
-      west_q     <= 11'(order_i.best_x) - 11'd1;
-      east_q     <= 11'(order_i.best_x) + 11'd1;
+      above_q    <= order_i.fresh && order_i.above;
+      middle_q   <= order_i.fresh && order_i.middle;
+      below_q    <= order_i.fresh && order_i.below;
+      until_q    <= 11'(order_i.best_x);
       first_q    <= 1'b1;
       x_q        <= '0;
       left_q     <= order_i.last_x;
@@ -111,12 +104,16 @@ module slog_peak_scan
       first_q <= 1'b0;
       x_q     <= x_q + 10'd1;
       left_q  <= left_q - 10'd1;
+      until_q <= until_q - 11'd1;
     end
   end
 
   // Stages 1 to 7: valid bits, then data that move only with them.
   logic [7:1] valid_q;
   column_t s1_q, s2_q;
+  logic s1_above_q, s1_middle_q, s1_below_q;
+  logic [Banks-1:0] s1_bank_q;                              // the scanned row's, one-hot
+  logic [Banks-1:0] s2_above_q, s2_middle_q, s2_below_q;    // one-hot, or none
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[6:1], reading_q};
@@ -124,22 +121,31 @@ module slog_peak_scan
 
   always_ff @(posedge clk_i) begin
     if (reading_q) begin
-      s1_q <= '{first: first_q, last: last_q, fresh: fresh_q, job_end: job_last_q && last_q,
-                west: 11'(x_q) == west_q, centre: x_q == centre_q, east: 11'(x_q) == east_q,
-                above: above_q, middle: middle_q, below: below_q, bank: bank_q};
+      s1_q        <= '{first: first_q, last: last_q, fresh: fresh_q, job_end: job_last_q && last_q,
+                       west: until_q == 11'd1, centre: until_q == '0, east: until_q == '1};
+      s1_above_q  <= above_q;
+      s1_middle_q <= middle_q;
+      s1_below_q  <= below_q;
+      s1_bank_q   <= bank_q;
     end
-    if (valid_q[1]) s2_q <= s1_q;
+    if (valid_q[1]) begin
+      s2_q        <= s1_q;
+      s2_above_q  <= {s1_bank_q[0], s1_bank_q[Banks-1:1]} & {Banks{s1_above_q}};
+      s2_middle_q <= s1_bank_q & {Banks{s1_middle_q}};
+      s2_below_q  <= {s1_bank_q[Banks-2:0], s1_bank_q[Banks-1]} & {Banks{s1_below_q}};
+    end
   end
 
-  // The data of one bank, absent unless `present`.
-  function automatic maybe_t pick(logic [Banks-1:0][ScoreW-1:0] data, logic [Banks-1:0] bank, logic present);
+  // The data of one bank; absent if it is none.
+  function automatic maybe_t pick(logic [Banks-1:0][ScoreW-1:0] data, logic [Banks-1:0] bank);
     logic [ScoreW-1:0] value = '0;
-    for (int b = 0; b < Banks; b++) value |= data[b] & {ScoreW{bank[b] && present}};
-    return {present, value};
+    for (int b = 0; b < Banks; b++) value |= data[b] & {ScoreW{bank[b]}};
+    return {|bank, value};
   endfunction
 
-  logic s3_first_q, s3_last_q, s3_west_q, s3_centre_q, s3_east_q;
-  logic s3_near_q, s3_end_q;  // valid, and of a row that holds the best so far; the job's last column
+  logic s3_first_q, s3_last_q, s3_beside_q;
+  // With the valid bit; all but s3_end_q only for a row that holds the best so far.
+  logic s3_end_q, s3_near_first_q, s3_west_q, s3_centre_q, s3_east_q;
   maybe_t s3_above_q, s3_middle_q, s3_below_q;
   logic s4_first_q, s4_last_q, s4_near_q;
   logic s4_above_wins_q;
@@ -154,11 +160,13 @@ module slog_peak_scan
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      s3_near_q <= 1'b0;
-      s3_end_q  <= 1'b0;
+      {s3_end_q, s3_near_first_q, s3_west_q, s3_centre_q, s3_east_q} <= '0;
     end else begin
-      s3_near_q <= valid_q[2] && s2_q.fresh;
-      s3_end_q  <= valid_q[2] && s2_q.job_end;
+      s3_end_q        <= valid_q[2] && s2_q.job_end;
+      s3_near_first_q <= valid_q[2] && s2_q.fresh && s2_q.first;
+      s3_west_q       <= valid_q[2] && s2_q.fresh && s2_q.west;
+      s3_centre_q     <= valid_q[2] && s2_q.fresh && s2_q.centre;
+      s3_east_q       <= valid_q[2] && s2_q.fresh && s2_q.east;
     end
   end
 
@@ -166,18 +174,16 @@ module slog_peak_scan
     if (valid_q[2]) begin
       s3_first_q  <= s2_q.first;
       s3_last_q   <= s2_q.last;
-      s3_west_q   <= s2_q.west;
-      s3_centre_q <= s2_q.centre;
-      s3_east_q   <= s2_q.east;
-      s3_above_q  <= pick(data_i, {s2_q.bank[0], s2_q.bank[Banks-1:1]}, s2_q.above);
-      s3_middle_q <= pick(data_i, s2_q.bank, s2_q.middle);
-      s3_below_q  <= pick(data_i, {s2_q.bank[Banks-2:0], s2_q.bank[Banks-1]}, s2_q.below);
+      s3_beside_q <= s2_q.west || s2_q.centre || s2_q.east;
+      s3_above_q  <= pick(data_i, s2_above_q);
+      s3_middle_q <= pick(data_i, s2_middle_q);
+      s3_below_q  <= pick(data_i, s2_below_q);
     end
     if (valid_q[3]) begin
       s4_first_q      <= s3_first_q;
       s4_last_q       <= s3_last_q;
-      s4_near_q       <= s3_west_q || s3_centre_q || s3_east_q;
-      s4_above_wins_q <= s3_above_q > s3_below_q;
+      s4_near_q       <= s3_beside_q;
+      s4_above_wins_q <= is_above(32'(s3_above_q), 32'(s3_below_q));
       s4_above_q      <= s3_above_q;
       s4_middle_q     <= s3_middle_q;
       s4_below_q      <= s3_below_q;
@@ -193,7 +199,7 @@ module slog_peak_scan
       s6_first_q      <= s5_first_q;
       s6_last_q       <= s5_last_q;
       s6_near_q       <= s5_near_q;
-      s6_outer_wins_q <= s5_outer_q > s5_middle_q;
+      s6_outer_wins_q <= is_above(32'(s5_outer_q), 32'(s5_middle_q));
       s6_outer_q      <= s5_outer_q;
       s6_middle_q     <= s5_middle_q;
     end
@@ -204,9 +210,8 @@ module slog_peak_scan
     end
   end
 
-  assign near_valid_o  = s3_near_q;
   assign near_end_o    = s3_end_q;
-  assign near_first_o  = s3_first_q;
+  assign near_first_o  = s3_near_first_q;
   assign near_west_o   = s3_west_q;
   assign near_centre_o = s3_centre_q;
   assign near_east_o   = s3_east_q;

@@ -6,7 +6,10 @@
 // Latency    : out_valid_o three clocks after in_valid_i with in_last_i.
 // Throughput : one sample per clock, rows back to back, gaps allowed. Rows of one sample have first and last at once.
 // Formats    : values and indices unsigned; indices rise within a row.
-module slog_running_max #(
+`include "slog_assert.svh"
+module slog_running_max
+  import slog_compare_pkg::*;
+#(
     parameter int unsigned ValueW = 15,
     parameter int unsigned IndexW = 10
 ) (
@@ -28,6 +31,8 @@ module slog_running_max #(
   logic [IndexW-1:0] b_index_q, index_q[2], d_index_q[2];
   logic b_last_q, b_single_q, c_last_q, c_single_q, d_last_q, d_pair_q, d_odd_q, odd_wins;
 
+  `SLOG_ASSERT_INIT(SlogRunningMaxWidth, ValueW + IndexW <= 32)
+
   assign odd = odd_q && !in_first_i;
   always_comb begin
     for (int p = 0; p < 2; p++) take[p] = load_q[p] || (try_q[p] && above_q[p]);
@@ -42,7 +47,7 @@ module slog_running_max #(
       d_last_q <= 1'b0;
     end else begin
       // The first sample of each parity has nothing to beat.
-      load_q   <= {in_valid_i && odd && second_q, in_valid_i && in_first_i};
+      load_q   <= {in_valid_i && second_q && !in_first_i, in_valid_i && in_first_i};
       try_q    <= {in_valid_i && odd, in_valid_i && !odd};
       b_last_q <= in_valid_i && in_last_i;
       c_last_q <= b_last_q;
@@ -59,7 +64,7 @@ module slog_running_max #(
       b_single_q <= in_first_i;
     end
     for (int p = 0; p < 2; p++) begin
-      if (in_valid_i) above_q[p] <= in_value_i > max_q[p];
+      if (in_valid_i) above_q[p] <= is_above(32'(in_value_i), 32'(max_q[p]));
       if (take[p]) begin
         max_q[p]   <= b_value_q;
         index_q[p] <= b_index_q;
@@ -70,7 +75,8 @@ module slog_running_max #(
       d_value_q <= max_q;
       d_index_q <= index_q;
       d_pair_q  <= !c_single_q;
-      d_odd_q   <= {max_q[1], ~index_q[1]} > {max_q[0], ~index_q[0]};
+      // Of equal values the smaller index: the other's stands behind each.
+      d_odd_q   <= is_above(32'({max_q[1], index_q[0]}), 32'({max_q[0], index_q[1]}));
     end
   end
 

@@ -16,6 +16,12 @@ module tb_peak_parts
     output logic stage_out_valid_o,
     input  logic stage_out_ready_i,
     output logic [11:0] stage_out_data_o,
+    input  logic half_in_valid_i,
+    output logic half_in_ready_o,
+    input  logic [11:0] half_in_data_i,
+    output logic half_out_valid_o,
+    input  logic half_out_ready_i,
+    output logic [11:0] half_out_data_o,
     input  logic room_row_valid_i,
     output logic room_row_ready_o,
     input  logic [9:0] room_row_offsets_i,
@@ -66,6 +72,7 @@ module tb_peak_parts
     input  logic [9:0] best_top_x_i,
     input  logic best_room_i,
     output logic best_order_valid_o,
+    output logic best_outcome_valid_o,
     input  logic best_order_room_i,
     output scan_t best_order_o,
     output outcome_t best_outcome_o,
@@ -76,7 +83,6 @@ module tb_peak_parts
     output logic [Banks-1:0] scan_read_o,
     output logic [9:0] scan_read_x_o,
     input  logic [Banks-1:0][ScoreW-1:0] scan_data_i,
-    output logic scan_near_valid_o,
     output logic scan_near_first_o,
     output logic scan_near_end_o,
     output logic scan_near_west_o,
@@ -87,7 +93,6 @@ module tb_peak_parts
     output maybe_t scan_near_below_o,
     output logic scan_far_valid_o,
     output maybe_t scan_far_o,
-    input  logic collect_near_valid_i,
     input  logic collect_near_first_i,
     input  logic collect_near_end_i,
     input  logic collect_near_west_i,
@@ -107,6 +112,10 @@ module tb_peak_parts
   slog_stage #(.Width(12)) u_stage (
       .clk_i, .rst_i, .in_valid_i(stage_in_valid_i), .in_ready_o(stage_in_ready_o), .in_data_i(stage_in_data_i),
       .out_valid_o(stage_out_valid_o), .out_ready_i(stage_out_ready_i), .out_data_o(stage_out_data_o));
+
+  slog_stage #(.Width(12), .Half(1'b1)) u_half (
+      .clk_i, .rst_i, .in_valid_i(half_in_valid_i), .in_ready_o(half_in_ready_o), .in_data_i(half_in_data_i),
+      .out_valid_o(half_out_valid_o), .out_ready_i(half_out_ready_i), .out_data_o(half_out_data_o));
 
   slog_peak_room #(.Depth(ScoreDepth), .MaxOffsets(MaxOffsets)) u_room (
       .clk_i, .rst_i, .row_valid_i(room_row_valid_i), .row_ready_o(room_row_ready_o),
@@ -136,19 +145,20 @@ module tb_peak_parts
       .top_level_i(best_top_level_i), .top_coming_i(best_top_coming_i),
       .top_ready_o(best_top_ready_o), .top_score_i(best_top_score_i),
       .top_x_i(best_top_x_i), .room_i(best_room_i), .order_valid_o(best_order_valid_o),
+      .outcome_valid_o(best_outcome_valid_o),
       .order_room_i(best_order_room_i), .order_o(best_order_o), .outcome_o(best_outcome_o),
       .released_o(best_released_o));
 
   slog_peak_scan #(.Banks(Banks)) u_scan (
       .clk_i, .rst_i, .order_valid_i(scan_order_valid_i), .order_room_o(scan_order_room_o), .order_i(scan_order_i),
-      .read_o(scan_read_o), .read_x_o(scan_read_x_o), .data_i(scan_data_i), .near_valid_o(scan_near_valid_o),
+      .read_o(scan_read_o), .read_x_o(scan_read_x_o), .data_i(scan_data_i),
       .near_first_o(scan_near_first_o), .near_end_o(scan_near_end_o), .near_west_o(scan_near_west_o),
       .near_centre_o(scan_near_centre_o), .near_east_o(scan_near_east_o), .near_above_o(scan_near_above_o),
       .near_middle_o(scan_near_middle_o), .near_below_o(scan_near_below_o), .far_valid_o(scan_far_valid_o),
       .far_o(scan_far_o));
 
   slog_peak_collect u_collect (
-      .clk_i, .rst_i, .near_valid_i(collect_near_valid_i), .near_first_i(collect_near_first_i),
+      .clk_i, .rst_i, .near_first_i(collect_near_first_i),
       .near_end_i(collect_near_end_i), .near_west_i(collect_near_west_i), .near_centre_i(collect_near_centre_i),
       .near_east_i(collect_near_east_i), .near_above_i(collect_near_above_i), .near_middle_i(collect_near_middle_i),
       .near_below_i(collect_near_below_i), .far_valid_i(collect_far_valid_i), .far_i(collect_far_i),
