@@ -79,29 +79,37 @@ def room(rng: random.Random, shape: str) -> Stimulus:
 
 def rows(rng: random.Random, shape: str) -> Stimulus:
     offer, take = willing("random", rng), willing(shape, rng)
+    there = 0
     while True:
         ok = rng.random() < 0.7
-        ctx = anything(rng, CONTEXT, status=0 if ok else rng.randint(1, 4),
+        ctx = anything(rng, CONTEXT, status=0 if ok else rng.randint(1, 4), offsets_x=rng.choice((1, 2, 3, 640)),
                        offsets_y=rng.randint(1, 5) if ok else rng.getrandbits(10))
-        yield {"ctx_valid_i": next(offer), "ctx_i": ctx, "row_ready_i": next(take)}
+        i = {"ctx_valid_i": next(offer), "ctx_i": ctx, "row_taken_i": int(there and next(take))}
+        out = yield i
+        there = not i["row_taken_i"] and out["row_coming_o"]
 
 
 def intake(rng: random.Random, shape: str) -> Stimulus:
     scores, surf = willing(shape, rng), willing("cyclic", rng)
-    used, coming, row = 0, None, None
+    used, coming, row, taken = 0, None, None, 0
     top = (1 << params()["ScoreBits"]) - 1
     while True:
-        coming = coming or {"row_refused_i": int(rng.random() < 0.1), "row_last_x_i": rng.choice((0, 0, 1, 2, 9, 40)),
+        last_x = rng.choice((0, 0, 1, 2, 9, 40))
+        coming = coming or {"row_refused_i": int(rng.random() < 0.1), "row_last_x_i": last_x,
                             "row_first_i": rng.getrandbits(1), "row_last_i": rng.getrandbits(1),
-                            "scoring_i": anything(rng, SCORING, area=rng.randint(1, 256))}
+                            "scoring_i": anything(rng, SCORING, area=rng.randint(1, 256), one=int(last_x == 0),
+                                                  two=int(last_x == 1))}
         area = row["scoring_i"] % PRESENT if row else top
-        i = {**coming, "row_valid_i": int(rng.random() < 0.9), "mismatch_valid_i": next(scores),
+        i = {**coming, "row_coming_i": int(rng.random() < 0.9), "mismatch_valid_i": next(scores),
              "mismatch_i": rng.randint(0, min(area, top)), "surf_ok_i": next(surf),
              "released_i": rng.randint(0, min(used, 2)) if rng.random() < 0.2 else 0}
         out = yield i
         used -= i["released_i"]
-        if i["row_valid_i"] and out["row_ready_o"]:
-            used, row, coming = used + 1, coming, None
+        # A row stays for one clock after it was taken.
+        coming = None if taken else coming
+        taken = out["row_taken_o"]
+        if taken:
+            used, row = used + 1, coming
 
 
 def running_max(rng: random.Random, shape: str) -> Stimulus:
@@ -122,6 +130,7 @@ def best(rng: random.Random, shape: str) -> Stimulus:
     take, room_there = willing(shape, rng), willing("cyclic", rng)
     waiting: list[int] = []
     tops: list[tuple[int, int]] = []
+    coming: tuple[int, int] | None = None
     y, left, status, top = 0, 0, 0, FEW
     while True:
         if len(waiting) < BANKS and rng.random() < 0.7:
@@ -132,11 +141,12 @@ def best(rng: random.Random, shape: str) -> Stimulus:
             waiting.append(anything(rng, ROW, status=status, first=int(y == 0), last=int(left == 1), y=y))
             y, left = y + 1, left - 1
         pending = sum(ROW.unpack(w)["status"] == Status.OK for w in waiting)
-        if len(tops) < pending and rng.random() < 0.6:
-            tops.append((rng.randint(0, top), rng.getrandbits(10)))
+        tops += [coming] if coming else []
+        coming = (rng.randint(0, top), rng.getrandbits(10)) if len(tops) < pending and rng.random() < 0.6 else None
         out = yield {"row_valid_i": int(bool(waiting)), "row_i": waiting[0] if waiting else rng.getrandbits(41),
-                     "top_level_i": len(tops), "top_score_i": tops[0][0] if tops else rng.getrandbits(15),
-                     "top_x_i": tops[0][1] if tops else 5, "room_i": next(room_there), "order_ready_i": next(take)}
+                     "top_level_i": len(tops), "top_coming_i": int(coming is not None),
+                     "top_score_i": tops[0][0] if tops else rng.getrandbits(15), "top_x_i": tops[0][1] if tops else 5,
+                     "room_i": next(room_there), "order_room_i": next(take)}
         if out["row_ready_o"]:
             waiting.pop(0)
         if out["top_ready_o"]:
@@ -145,40 +155,43 @@ def best(rng: random.Random, shape: str) -> Stimulus:
 
 def scan(rng: random.Random, shape: str) -> Stimulus:
     offer = willing(shape, rng)
-    data = [0] * BANKS
+    data, room = [0] * BANKS, 0
     while True:
         last_x = rng.choice((0, 0, 1, 2, 6, 23))
         top = rng.choice((1, FEW, PRESENT - 1))
-        order = anything(rng, SCAN, only=int(not last_x or rng.random() < 0.2), last_x=last_x,
+        only = int(not last_x or rng.random() < 0.2)
+        order = anything(rng, SCAN, only=only, brief=int(only or last_x == 1), last_x=last_x,
                          best_x=rng.choice((0, last_x, rng.randint(0, last_x))))
         while True:
             data = [rng.randint(0, top) for _ in range(BANKS)]
-            i = {"order_valid_i": next(offer), "order_i": order,
+            i = {"order_valid_i": int(room and next(offer)), "order_i": order,
                  "data_i": sum(d << b * SCORE_BITS for b, d in enumerate(data))}
             out = yield i
-            if i["order_valid_i"] and out["order_ready_o"]:
+            room = out["order_room_o"] and not i["order_valid_i"]
+            if i["order_valid_i"]:
                 break
 
 
 def collect(rng: random.Random, shape: str) -> Stimulus:
     ends = willing(shape, rng)
     # A job begins with a first column and a row that holds its best.
-    yield {"near_valid_i": 1, "near_first_i": 1, "far_valid_i": 1, "far_i": maybe(rng, FEW),
+    yield {"near_first_i": 1, "far_valid_i": 1, "far_i": maybe(rng, FEW),
            "outcome_i": anything(rng, OUTCOME, fresh=1, other=maybe(rng, FEW), score=maybe(rng, FEW))}
     far = 1
     while True:
         top = rng.choice((1, FEW, PRESENT - 1))
         far = int(not far and next(ends))
         flags = {f"near_{n}_i": int(rng.random() < 0.3) for n in ("first", "end", "west", "centre", "east")}
-        yield {**flags, "near_valid_i": rng.getrandbits(1), "far_valid_i": far, "far_i": maybe(rng, top),
+        yield {**flags, "far_valid_i": far, "far_i": maybe(rng, top),
                **{f"near_{n}_i": maybe(rng, top) for n in ("above", "middle", "below")},
                "outcome_i": anything(rng, OUTCOME, other=maybe(rng, top), score=maybe(rng, top))}
 
 
-TRAFFIC = {"stage": stage, "room": room, "rows": rows, "intake": intake, "max": running_max, "best": best, "scan": scan,
-           "collect": collect}
-COUNTED = ("stage_out_valid_o", "room_row_ready_o", "rows_row_valid_o", "intake_score_valid_o", "intake_surf_valid_o",
-           "max_out_valid_o", "best_order_valid_o", "scan_near_valid_o", "scan_far_valid_o", "collect_around_valid_o",
+TRAFFIC = {"stage": stage, "half": stage, "room": room, "rows": rows, "intake": intake, "max": running_max,
+           "best": best, "scan": scan, "collect": collect}
+COUNTED = ("stage_out_valid_o", "half_out_valid_o", "room_row_ready_o", "rows_row_coming_o",
+           "intake_score_valid_o", "intake_surf_valid_o",
+           "max_out_valid_o", "best_order_valid_o", "scan_near_first_o", "scan_far_valid_o", "collect_around_valid_o",
            "collect_verdict_valid_o")
 
 
@@ -205,7 +218,8 @@ async def every_clock(dut, shape: str) -> None:
         seen.update(n for n in COUNTED if out[n])
 
     p = params()
-    model = SideBySide(stage=StageModel(), room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]), rows=RowsModel(),
+    model = SideBySide(stage=StageModel(), half=StageModel(half=True), rows=RowsModel(),
+                       room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]),
                        intake=IntakeModel(BANKS), max=RunningMaxModel(), best=BestModel(), scan=ScanModel(BANKS),
                        collect=CollectModel())
     await check_cycles(dut, model, together(rng, shape), count)

@@ -8,9 +8,11 @@ from sim.runner import simulate
 from sim.toolchain import RTL
 
 BREAKS = {
-    "late pointer": ("head_q <= (head_q == Last)", "head_q <= (head_q + 1'b1 == Last)", r"clock \d+: out_data_o is"),
-    "off by one": ("level_q != LevelW'(Depth);", "level_q != LevelW'(Depth - 1);", r"clock \d+: in_ready_o is"),
-    "lost word": ("level_q + LevelW'(push)", "level_q + LevelW'(push && !pop)", r"clock \d+: \w+ is"),
+    "late pointer": ("after_head_q <= after(after_head_q)", "after_head_q <= after(after(after_head_q))",
+                     r"clock \d+: out_data_o is"),
+    "off by one": ("in_valid_i && after_tail_q == head_q", "in_valid_i && after(after_tail_q) == head_q",
+                   r"clock \d+: in_ready_o is"),
+    "lost word": ("some        = push ||", "some        = (push && !pop) ||", r"clock \d+: \w+ is"),
 }
 
 

@@ -62,12 +62,13 @@ class PeakModel:
 
     def clear(self) -> None:
         """Empty the queues between the parts."""
-        self.contexts, self.context = deque[int](), StageModel()
+        self.contexts, self.context = deque[int](), StageModel(half=True)
         self.surface: deque[tuple[int, int, int]] = deque()
-        self.begun, self.begun_row = deque[int](), StageModel()
+        self.begun, self.begun_row = deque[int](), StageModel(half=True)
         self.tops: deque[tuple[int, int]] = deque()
         self.outcomes = deque[int]()
-        self.kept, self.popped, self.has_room, self.surf_ok = 0, 0, 0, 0
+        self.taken: int | None = None
+        self.kept, self.popped = 0, 0
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -86,9 +87,8 @@ class PeakModel:
         for queue, name in ((self.around, "around"), (self.verdict, "verdict")):
             queue.step({"rst_i": rst, "in_valid_i": known(collected[f"{name}_valid_o"]), "out_ready_i": popped,
                         "in_data_i": known(collected[f"{name}_o"])})
-        ordered = bool(best["order_valid_o"] and scan["order_ready_o"])
+        ordered = bool(best["order_valid_o"])
         # Departures count one clock late.
-        self.has_room = int(self.kept < self.result_depth)
         self.kept += int(ordered and SCAN.unpack(known(best["order_o"]))["last"]) - self.popped
         self.popped = popped
 
@@ -96,17 +96,16 @@ class PeakModel:
         self.put_away(intake, scan)
 
         # Queues between the parts: a word pushed now is seen from the next clock on.
-        room = len(self.surface)
         if surf and i["surf_tready_i"]:
             self.surface.popleft()
         if intake["surf_valid_o"]:
             self.surface.append((known(intake["surf_last_o"]), known(intake["surf_first_o"]), known(intake["score_o"])))
-        self.surf_ok = int(room <= SURFACE_DEPTH - SURFACE_ROOM)
         fetch(rst, self.begun_row, self.begun, best["row_ready_o"])
         if best["top_ready_o"]:
             self.tops.popleft()
-        if row is not None:
-            self.begun.append(row)
+        if self.taken is not None:
+            self.begun.append(self.taken)
+        self.taken = row
         top = self.row_max.step({"rst_i": rst, "in_valid_i": known(intake["score_valid_o"]),
                                  "in_first_i": known(intake["score_first_o"]),
                                  "in_last_i": known(intake["score_last_o"]),
@@ -132,8 +131,8 @@ class PeakModel:
         score, x = self.tops[0] if self.tops else (0, 0)
         best = self.best.step({
             "rst_i": rst, "row_valid_i": int(self.begun_row.word is not None), "row_i": known(self.begun_row.word),
-            "top_level_i": len(self.tops), "top_score_i": score, "top_x_i": x, "room_i": self.has_room,
-            "order_ready_i": int(self.scan.ready)})
+            "top_level_i": len(self.tops), "top_coming_i": int(self.row_max.due[0] is not None), "top_score_i": score,
+            "top_x_i": x, "room_i": int(self.kept < self.result_depth), "order_room_i": int(self.scan.room)})
         data = sum(known(bank.out) << b * SCORE_BITS for b, bank in enumerate(self.banks))
         scan = self.scan.step({"rst_i": rst, "order_valid_i": known(best["order_valid_o"]),
                                "order_i": known(best["order_o"]), "data_i": data})
@@ -141,33 +140,33 @@ class PeakModel:
 
     def gather(self, rst: int, scan: Outputs) -> Outputs:
         """Outputs of the collection of neighbours and runner-up."""
-        near = {name.replace("_o", "_i"): known(scan[name]) for name in (*ScanModel.NEAR, "near_valid_o", "near_end_o",
-                                                                        "far_valid_o", "far_o")}
+        near = {name.replace("_o", "_i"): known(scan[name])
+                for name in (*ScanModel.FLAGS, *ScanModel.VALUES, "far_valid_o", "far_o")}
         return self.collect.step({"rst_i": rst, **near, "outcome_i": self.outcomes[0] if self.outcomes else 0})
 
     def take_in(self, i: dict[str, int], out: Outputs, released: int) -> tuple[Outputs, int | None]:
         """Outputs of the intake, and the row it begins."""
         rst = i["rst_i"]
-        row, scoring = self.rows.rows[0] if self.rows.rows else None, known(self.rows.scoring)
-        fields = ROW.unpack(row or 0)
         queued = self.queue.front[0] if self.queue.front else None
-        intake = self.intake.step({
-            "rst_i": rst, "row_valid_i": int(row is not None), "row_refused_i": int(fields["status"] != 0),
-            "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
-            "scoring_i": scoring, "released_i": released, "mismatch_valid_i": int(queued is not None),
-            "mismatch_i": known(queued), "surf_ok_i": self.surf_ok})
+        taken = self.intake.takes(int(queued is not None))
         rows = self.rows.step({"rst_i": rst, "ctx_valid_i": int(self.context.word is not None),
-                               "ctx_i": known(self.context.word),
-                               "row_ready_i": known(intake["row_ready_o"])})
+                               "ctx_i": known(self.context.word), "row_taken_i": int(taken)})
+        row = rows["row_o"]
+        fields = ROW.unpack(known(row))
+        intake = self.intake.step({
+            "rst_i": rst, "row_coming_i": known(rows["row_coming_o"]), "row_refused_i": int(fields["status"] != 0),
+            "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
+            "scoring_i": known(rows["scoring_o"]), "released_i": released, "mismatch_valid_i": int(queued is not None),
+            "mismatch_i": known(queued), "surf_ok_i": int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)})
         fetch(rst, self.context, self.contexts, rows["ctx_ready_o"])
         if i["ctx_valid_i"] and out["ctx_ready_o"]:
             self.contexts.append(i["ctx_i"])
-        taken = int(queued is not None and bool(intake["mismatch_ready_o"]))
+        popped = int(queued is not None and bool(intake["mismatch_ready_o"]))
         out.update(self.room.step({"rst_i": rst, "row_valid_i": i["row_valid_i"], "row_offsets_i": i["row_offsets_i"],
-                                   "taken_i": taken}))
+                                   "taken_i": popped}))
         self.queue.step({"rst_i": rst, "in_valid_i": i["mismatch_valid_i"], "in_data_i": i["mismatch_i"],
                          "out_ready_i": known(intake["mismatch_ready_o"])})
-        return intake, row if intake["row_ready_o"] else None
+        return intake, row if taken else None
 
     def put_away(self, intake: Outputs, scan: Outputs) -> None:
         """Writes and reads of the row banks."""

@@ -14,8 +14,8 @@ from golden.structs import CONTEXT, Layout
 
 PRESENT = 1 << SCORE_BITS
 ROW = Layout(("tag", 16), ("status", 3), ("last_x", 10), ("y", 10), ("first", 1), ("last", 1))
-SCORING = Layout(("surface", 1), ("area", 15))
-SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("only", 1),
+SCORING = Layout(("surface", 1), ("one", 1), ("two", 1), ("area", 15))
+SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("only", 1), ("brief", 1),
               ("last_x", 10), ("best_x", 10))
 OUTCOME = Layout(("fresh", 1), ("last", 1), ("other", 16), ("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10),
                  ("score", 16))
@@ -61,40 +61,45 @@ class RoomModel:
 
 
 class RowsModel:
-    """`slog_peak_rows`: the rows of a job, one after another."""
+    """`slog_peak_rows`: the rows of a job, one after another. A row stays for one clock after it was taken."""
 
-    INPUTS = ("rst_i", "ctx_valid_i", "ctx_i", "row_ready_i")
-    OUTPUTS = ("ctx_ready_o", "row_valid_o", "row_o", "scoring_o")
+    INPUTS = ("rst_i", "ctx_valid_i", "ctx_i", "row_taken_i")
+    OUTPUTS = ("ctx_ready_o", "row_coming_o", "row_o", "scoring_o")
 
     def __init__(self) -> None:
         self.rows: deque[int] = deque()
         self.scoring: int | None = None
+        self.taken = 0
+        """The row in front was taken in the clock before."""
 
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         rows = self.rows
-        load = not rows or (len(rows) == 1 and i["row_ready_i"])
-        out: Outputs = {"ctx_ready_o": int(load), "row_valid_o": int(bool(rows)), "row_o": rows[0] if rows else None,
-                        "scoring_o": self.scoring if rows else None}
-        if rows and i["row_ready_i"]:
+        load = len(rows) == self.taken
+        out: Outputs = {"ctx_ready_o": int(load), "row_o": rows[0] if rows else None,
+                        "scoring_o": self.scoring if rows else None,
+                        "row_coming_o": None if i["row_taken_i"] else int(not load or i["ctx_valid_i"])}
+        if self.taken:
             rows.popleft()
+        self.taken = i["row_taken_i"]
         if i["rst_i"]:
             rows.clear()
+            self.taken = 0
         elif load and i["ctx_valid_i"]:
             c = CONTEXT.unpack(i["ctx_i"])
             count = c["offsets_y"] if c["status"] == Status.OK else 1
             rows.extend(ROW.pack({"tag": c["tag"], "status": c["status"], "last_x": (c["offsets_x"] - 1) % 1024,
                                   "y": y, "first": y == 0, "last": y == count - 1}) for y in range(count))
-            self.scoring = SCORING.pack(c)
+            self.scoring = SCORING.pack({**c, "one": c["offsets_x"] == 1, "two": c["offsets_x"] == 2})
         return out
 
 
 class IntakeModel:
     """`slog_peak_intake`: scores with their places, two clocks after they are taken."""
 
-    INPUTS = ("rst_i", "row_valid_i", "row_refused_i", "row_last_x_i", "row_first_i", "row_last_i", "scoring_i",
+    INPUTS = ("rst_i", "row_coming_i", "row_refused_i", "row_last_x_i", "row_first_i", "row_last_i", "scoring_i",
               "released_i", "mismatch_valid_i", "mismatch_i", "surf_ok_i")
-    OUTPUTS = ("row_ready_o", "mismatch_ready_o", "score_valid_o", "score_first_o", "score_last_o", "score_x_o",
+    OUTPUTS = ("row_taken_o", "mismatch_ready_o", "score_valid_o", "score_first_o", "score_last_o", "score_x_o",
                "score_o", "bank_o", "surf_valid_o", "surf_first_o", "surf_last_o")
     SCORE = OUTPUTS[3:7]
 
@@ -105,28 +110,39 @@ class IntakeModel:
     def clear(self) -> None:
         """No row begun; the first one goes into bank 0."""
         self.row: Inputs | None = None
-        self.x, self.bank, self.used, self.open = 0, self.banks - 1, 0, 0
+        self.x, self.bank, self.used, self.open, self.surf_ok = 0, self.banks - 1, 0, 0, 0
         self.flying: deque[Outputs | None] = deque([None, None])
+
+    @property
+    def willing(self) -> bool:
+        """Takes a score in this clock."""
+        return self.row is not None and bool(self.surf_ok or not SCORING.unpack(self.row["scoring_i"])["surface"])
+
+    @property
+    def ends(self) -> bool:
+        """The next score is its row's last."""
+        return self.row is not None and self.x == self.row["row_last_x_i"]
+
+    def takes(self, mismatch_valid: int) -> bool:
+        """Takes a row in this clock."""
+        return bool(self.open and (self.row is None or (mismatch_valid and self.willing and self.ends)))
 
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        row, now = self.row, self.flying[0]
-        surface, area = (row["scoring_i"] >> SCORE_BITS, row["scoring_i"] % PRESENT) if row else (0, 0)
-        willing = row is not None and (i["surf_ok_i"] or not surface)
-        pop = willing and i["mismatch_valid_i"]
-        ends = row is not None and self.x == row["row_last_x_i"]
-        ready = self.open and (row is None or (pop and ends))
-        out: Outputs = {"row_ready_o": int(bool(ready)), "mismatch_ready_o": int(bool(willing)),
+        row, now, willing, ends = self.row, self.flying[0], self.willing, self.ends
+        take = self.takes(i["mismatch_valid_i"])
+        out: Outputs = {"row_taken_o": int(take), "mismatch_ready_o": int(willing),
                         "score_valid_o": int(now is not None), "bank_o": 0, "surf_valid_o": 0,
                         **dict.fromkeys((*self.SCORE, "surf_first_o", "surf_last_o")), **(now or {})}
         if i["rst_i"]:
             self.clear()
             return out
         scored: Outputs | None = None
-        if pop and row is not None:
-            begins = self.x == 0
+        if willing and i["mismatch_valid_i"] and row is not None:
+            begins, scoring = self.x == 0, SCORING.unpack(row["scoring_i"])
+            surface = scoring["surface"]
             scored = {"score_first_o": int(begins), "score_last_o": int(ends), "score_x_o": self.x,
-                      "score_o": area - i["mismatch_i"], "bank_o": 1 << self.bank, "surf_valid_o": surface,
+                      "score_o": scoring["area"] - i["mismatch_i"], "bank_o": 1 << self.bank, "surf_valid_o": surface,
                       "surf_first_o": int(begins and row["row_first_i"]) if surface else None,
                       "surf_last_o": int(ends and row["row_last_i"]) if surface else None}
             self.x += 1
@@ -134,11 +150,10 @@ class IntakeModel:
                 self.row = None
         self.flying.popleft()
         self.flying.append(scored)
-        take = ready and i["row_valid_i"]
-        self.open = int(not take and (self.used < self.banks or i["released_i"] > 0))
-        self.used -= i["released_i"]
+        self.open = int(i["row_coming_i"] and not take and (self.used < self.banks or i["released_i"] > 0))
+        self.surf_ok = i["surf_ok_i"]
+        self.used += take - i["released_i"]
         if take:
-            self.used += 1
             self.bank = (self.bank + 1) % self.banks
             if not i["row_refused_i"]:
                 self.row, self.x = dict(i), 0
@@ -148,55 +163,63 @@ class IntakeModel:
 class BestModel:
     """`slog_peak_best`: per row, whether it is its job's best so far; from the maxima of all rows of the job."""
 
-    INPUTS = ("rst_i", "row_valid_i", "row_i", "top_level_i", "top_score_i", "top_x_i", "room_i", "order_ready_i")
-    OUTPUTS = ("row_ready_o", "top_ready_o", "order_valid_o", "order_o", "outcome_o", "released_o")
+    INPUTS = ("rst_i", "row_valid_i", "row_i", "top_level_i", "top_coming_i", "top_score_i", "top_x_i", "room_i",
+              "order_room_i")
+    OUTPUTS = ("row_ready_o", "top_ready_o", "order_valid_o", "outcome_valid_o", "order_o", "outcome_o",
+               "released_o")
 
     def __init__(self) -> None:
-        self.age: int | None = None
-        """Clocks since the row was loaded; None without a row."""
+        self.clear()
         self.row: dict[str, int] = {}
         self.tops: list[tuple[int, int]] = []
         """(score, x) of the job's rows up to this one."""
+
+    def clear(self) -> None:
+        """No row."""
+        self.held, self.hand, self.complete = False, False, False
+        """A row is held; it leaves in this clock; the row that waits could be taken."""
 
     def decided(self) -> tuple[int, int]:
         """Order and outcome of the row."""
         row, tops = self.row, self.tops
         if row["status"] != Status.OK:
-            return (SCAN.pack({"fresh": 1, "last": row["last"], "above": 0, "middle": 0, "below": not row["last"],
-                               "only": 1, "last_x": row["last_x"], "best_x": tops[-1][1]}),
+            return (SCAN.pack({"fresh": 1, "last": row["last"], "above": not row["first"], "middle": 0,
+                               "below": not row["last"], "only": 1, "brief": 1, "last_x": row["last_x"],
+                               "best_x": tops[-1][1]}),
                     OUTCOME.pack({**row, "fresh": 1, "other": 0, "best_x": 0, "best_y": row["y"], "score": 0}))
         scores = [score for score, _ in tops]
         r, best = len(tops) - 1, scores.index(max(scores))
         fresh = best == r
         # What the scan will not see: rows above its three, or, without a scan, a row below the neighbourhood.
         candidates = scores[:max(r - 1, 0)] if fresh else scores[r:] if r >= best + 2 else []
-        order = {"fresh": fresh, "last": row["last"], "above": fresh and not row["first"], "middle": fresh,
-                 "below": fresh and not row["last"], "only": not (fresh and row["last_x"]), "last_x": row["last_x"],
-                 "best_x": tops[r][1]}
+        order = {"fresh": fresh, "last": row["last"], "above": not row["first"], "middle": 1,
+                 "below": not row["last"], "only": not (fresh and row["last_x"]),
+                 "brief": not (fresh and row["last_x"] > 1), "last_x": row["last_x"], "best_x": tops[r][1]}
         outcome = {**row, "fresh": fresh, "other": PRESENT + max(candidates) if candidates else 0,
                    "best_x": tops[best][1], "best_y": best, "score": PRESENT + scores[best]}
         return SCAN.pack(order), OUTCOME.pack(outcome)
 
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        offered = self.age is not None and self.age >= 1 and (i["room_i"] or not self.row["last"])
-        hand = offered and i["order_ready_i"]
-        coming = ROW.unpack(i["row_i"]) if i["row_valid_i"] else {}
-        refused = bool(coming) and coming["status"] != Status.OK
-        complete = bool(coming) and (refused or i["top_level_i"] >= 2 or (coming["last"] and i["top_level_i"]))
-        load = complete and (self.age is None or hand)
-        order, outcome = self.decided() if offered else (None, None)
+        hand, row = self.hand, self.row
+        coming = ROW.unpack(i["row_i"])
+        refused = coming["status"] != Status.OK
+        load = self.complete and (hand or not self.held)
+        order, outcome = self.decided() if hand else (None, None)
         out: Outputs = {"row_ready_o": int(load), "top_ready_o": int(load and not refused),
-                        "order_valid_o": int(bool(offered)), "order_o": order, "outcome_o": outcome,
-                        "released_o": (not self.row["first"]) + self.row["last"] if hand else 0}
-        if self.age is not None:
-            self.age = None if hand else self.age + 1
-        if i["rst_i"]:
-            self.age = None
-        elif load:
-            self.age, self.row = 0, coming
+                        "order_valid_o": int(hand), "outcome_valid_o": int(hand), "order_o": order,
+                        "outcome_o": outcome,
+                        "released_o": (not row["first"]) + row["last"] if hand else 0}
+        level = i["top_level_i"] + i["top_coming_i"]
+        self.complete = bool(i["row_valid_i"] and (refused or level >= 2 or (coming["last"] and level)))
+        self.hand = self.held and not hand and bool(i["order_room_i"] and (i["room_i"] or not row["last"]))
+        self.held = load or (self.held and not hand)
+        if load:
+            self.row = coming
             self.tops = [] if coming["first"] else self.tops
             self.tops.append((i["top_score_i"], i["top_x_i"]))
+        if i["rst_i"]:
+            self.clear()
         return out
 
 
@@ -204,9 +227,9 @@ class ScanModel:
     """`slog_peak_scan`: columns near the best three clocks after their read, the best of all others ten."""
 
     INPUTS = ("rst_i", "order_valid_i", "order_i", "data_i")
-    NEAR = ("near_first_o", "near_west_o", "near_centre_o", "near_east_o", "near_above_o", "near_middle_o",
-            "near_below_o")
-    OUTPUTS = ("order_ready_o", "read_o", "read_x_o", "near_valid_o", "near_end_o", *NEAR, "far_valid_o", "far_o")
+    FLAGS = ("near_end_o", "near_first_o", "near_west_o", "near_centre_o", "near_east_o")
+    VALUES = ("near_above_o", "near_middle_o", "near_below_o")
+    OUTPUTS = ("order_room_o", "read_o", "read_x_o", *FLAGS, *VALUES, "far_valid_o", "far_o")
 
     def __init__(self, banks: int) -> None:
         self.banks = banks
@@ -224,21 +247,22 @@ class ScanModel:
         self.far: deque[int | None] = deque([None] * 8)
 
     @property
-    def ready(self) -> bool:
-        """Takes an order in this clock."""
-        return self.order is None or (self.x == self.order["last_x"] and not self.wait)
+    def room(self) -> bool:
+        """An order may come in the next clock, if none comes in this one."""
+        return self.order is None or self.wait or self.x >= self.order["last_x"] - 1
 
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        o, banks = None if self.wait else self.order, self.banks
+        o, banks = self.order, self.banks
         read = 0
         if o is not None:
             read = sum(1 << (self.bank + d) % banks
-                       for name, d in (("above", -1), ("middle", 0), ("below", 1)) if o[name])
+                       for name, d in (("above", -1), ("middle", 0), ("below", 1)) if o["fresh"] and o[name])
         far = self.far.popleft()
-        out: Outputs = {"order_ready_o": int(self.ready), "read_o": read, "read_x_o": self.x if o else None,
-                        "near_valid_o": 0, "near_end_o": 0, **dict.fromkeys(self.NEAR), **(self.near or {}),
+        out: Outputs = {"order_room_o": int(self.room), "read_o": read, "read_x_o": self.x if o else None,
+                        **dict.fromkeys(self.FLAGS, 0), **dict.fromkeys(self.VALUES), **(self.near or {}),
                         "far_valid_o": int(far is not None), "far_o": far}
+        o = None if self.wait else o
         if i["rst_i"]:
             self.clear()
             return out
@@ -252,7 +276,7 @@ class ScanModel:
         self.wait = False
         if o is not None:
             self.order, self.x = (None, 0) if self.x == o["last_x"] else (o, self.x + 1)
-        if i["order_valid_i"] and out["order_ready_o"]:
+        if i["order_valid_i"]:
             self.order, self.x, self.bank = SCAN.unpack(i["order_i"]), 0, (self.bank + 1) % banks
             self.wait = bool(self.order["only"])
             self.order["last_x"] *= not self.wait
@@ -260,15 +284,14 @@ class ScanModel:
 
     def take_column(self, o: dict[str, int], x: int, bank: int, data: int) -> int | None:
         """Note a column; returns the best outside the neighbourhood when the row is through."""
-        values = [PRESENT + (data >> (bank + d) % self.banks * SCORE_BITS) % PRESENT if o[name] else 0
+        values = [PRESENT + (data >> (bank + d) % self.banks * SCORE_BITS) % PRESENT if o["fresh"] and o[name] else 0
                   for name, d in (("above", -1), ("middle", 0), ("below", 1))]
         side = x - o["best_x"]
-        self.near = {"near_valid_o": o["fresh"], "near_end_o": int(o["last"] and x == o["last_x"]),
-                     "near_first_o": int(x == 0), "near_west_o": int(side == -1), "near_centre_o": int(side == 0),
-                     "near_east_o": int(side == 1),
+        self.near = {"near_end_o": int(o["last"] and x == o["last_x"]), "near_first_o": int(x == 0),
+                     "near_west_o": int(side == -1), "near_centre_o": int(side == 0), "near_east_o": int(side == 1),
                      **dict(zip(("near_above_o", "near_middle_o", "near_below_o"), values, strict=True))}
         if not o["fresh"]:
-            self.near = {**self.near, **dict.fromkeys(self.NEAR)}
+            self.near = {"near_end_o": self.near["near_end_o"]}
         if x == 0:
             self.outside = []
         self.outside += values if abs(side) > 1 else [0]
@@ -278,7 +301,7 @@ class ScanModel:
 class CollectModel:
     """`slog_peak_collect`: a job's neighbours, and its verdict three clocks after its last row's scan."""
 
-    INPUTS = ("rst_i", "near_valid_i", "near_first_i", "near_end_i", "near_west_i", "near_centre_i", "near_east_i",
+    INPUTS = ("rst_i", "near_first_i", "near_end_i", "near_west_i", "near_centre_i", "near_east_i",
               "near_above_i", "near_middle_i", "near_below_i", "far_valid_i", "far_i", "outcome_i")
     OUTPUTS = ("around_valid_o", "around_o", "verdict_valid_o", "verdict_o")
     COLUMNS = (("near_west_i", (0, 3, 5)), ("near_centre_i", (1, None, 6)), ("near_east_i", (2, 4, 7)))
@@ -296,13 +319,12 @@ class CollectModel:
         out: Outputs = {"around_valid_o": self.ended, "around_o": around if self.ended else None,
                         "verdict_valid_o": int(verdict is not None), "verdict_o": verdict}
         self.ended = i["near_end_i"]
-        if i["near_valid_i"]:
-            if i["near_first_i"]:
-                self.around = [0] * 8
-            for flag, places in self.COLUMNS:
-                for place, row in zip(places, ("near_above_i", "near_middle_i", "near_below_i"), strict=True):
-                    if i[flag] and place is not None:
-                        self.around[place] = i[row]
+        if i["near_first_i"]:
+            self.around = [0] * 8
+        for flag, places in self.COLUMNS:
+            for place, row in zip(places, ("near_above_i", "near_middle_i", "near_below_i"), strict=True):
+                if i[flag] and place is not None:
+                    self.around[place] = i[row]
         done = None
         if i["far_valid_i"]:
             o = OUTCOME.unpack(i["outcome_i"])

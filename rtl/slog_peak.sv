@@ -51,15 +51,15 @@ module slog_peak
   localparam int unsigned ContextDepth = 16;
   localparam int unsigned OutcomeDepth = 8;  // rows in the scan's pipeline, one in two clocks
   localparam int unsigned SurfaceDepth = 8;
-  localparam int unsigned SurfaceRoom = 4;   // scores that may be on their way when surf_ok_q falls
+  localparam int unsigned SurfaceRoom = 4;   // scores that may be on their way when surf_ok falls
 
   // Scores wait here, so that a row can run into it whatever the search behind is doing.
   logic queue_valid, queue_ready, queue_room;
   logic [ScoreBits-1:0] queue_mismatch;
   logic [$clog2(ScoreDepth+1)-1:0] unused_queue_level;
-  slog_ram_fifo #(.Width(ScoreBits), .Depth(ScoreDepth)) u_queue (
+  slog_ram_fifo #(.Width(ScoreBits), .Depth(ScoreDepth), .Kept(1'b1)) u_queue (
       .clk_i, .rst_i, .in_valid_i(mismatch_valid_i), .in_ready_o(queue_room), .in_data_i(mismatch_i),
-      .out_valid_o(queue_valid), .out_ready_i(queue_ready), .out_data_o(queue_mismatch),
+      .out_valid_o(queue_valid), .out_ready_i(queue_valid && queue_ready), .out_data_o(queue_mismatch),
       .level_o(unused_queue_level));
 
   slog_peak_room #(.Depth(ScoreDepth), .MaxOffsets(MaxOffsets)) u_room (
@@ -73,44 +73,45 @@ module slog_peak
       .clk_i, .rst_i, .in_valid_i(ctx_valid_i), .in_ready_o(ctx_ready_o), .in_data_i(ctx_i),
       .out_valid_o(queued_ctx_valid), .out_ready_i(queued_ctx_ready), .out_data_o(queued_ctx),
       .level_o(unused_ctx_level));
-  slog_stage #(.Width($bits(context_t))) u_context (
+  slog_stage #(.Width($bits(context_t)), .Half(1'b1)) u_context (
       .clk_i, .rst_i, .in_valid_i(queued_ctx_valid), .in_ready_o(queued_ctx_ready), .in_data_i(queued_ctx),
       .out_valid_o(ctx_valid), .out_ready_i(ctx_ready), .out_data_o(ctx));
 
-  logic row_valid, row_ready;
+  logic row_coming, row_taken, no_row_q;  // no_row_q: none was taken in the clock before
   row_t row;
   scoring_t scoring;
   slog_peak_rows u_rows (
       .clk_i, .rst_i, .ctx_valid_i(ctx_valid), .ctx_ready_o(ctx_ready), .ctx_i(ctx),
-      .row_valid_o(row_valid), .row_ready_i(row_ready), .row_o(row), .scoring_o(scoring));
+      .row_coming_o(row_coming), .row_taken_i(row_taken), .row_o(row), .scoring_o(scoring));
+  always_ff @(posedge clk_i) begin
+    if (rst_i) no_row_q <= 1'b1;
+    else no_row_q <= !row_taken;
+  end
 
   // Scores with their places.
-  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok_q;
+  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok;
   logic [9:0] score_x;
   logic [ScoreW-1:0] score;
   logic [Banks-1:0] write_bank;
   logic [1:0] released;
   slog_peak_intake #(.ScoreBits(ScoreBits), .Banks(Banks)) u_intake (
-      .clk_i, .rst_i, .row_valid_i(row_valid), .row_ready_o(row_ready), .row_refused_i(row.status != StatusOk),
+      .clk_i, .rst_i, .row_coming_i(row_coming), .row_taken_o(row_taken), .row_refused_i(row.status != StatusOk),
       .row_last_x_i(row.last_x), .row_first_i(row.first), .row_last_i(row.last), .scoring_i(scoring),
       .released_i(released),
       .mismatch_valid_i(queue_valid), .mismatch_ready_o(queue_ready), .mismatch_i(queue_mismatch),
       .score_valid_o(score_valid), .score_first_o(score_first), .score_last_o(score_last), .score_x_o(score_x),
       .score_o(score), .bank_o(write_bank),
-      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok_q));
+      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok));
 
   // Surface stream.
   logic surf_room;
   logic [$clog2(SurfaceDepth+1)-1:0] surf_level;
   assign surf_tdata_o[15:ScoreW] = '0;
-  slog_fifo #(.Width(ScoreW + 2), .Depth(SurfaceDepth)) u_surface (
+  slog_fifo #(.Width(ScoreW + 2), .Depth(SurfaceDepth), .Kept(1'b1)) u_surface (
       .clk_i, .rst_i, .in_valid_i(surf_valid), .in_ready_o(surf_room), .in_data_i({surf_last, surf_first, score}),
-      .out_valid_o(surf_tvalid_o), .out_ready_i(surf_tready_i),
+      .out_valid_o(surf_tvalid_o), .out_ready_i(surf_tvalid_o && surf_tready_i),
       .out_data_o({surf_tlast_o, surf_tuser_o, surf_tdata_o[ScoreW-1:0]}), .level_o(surf_level));
-  always_ff @(posedge clk_i) begin
-    if (rst_i) surf_ok_q <= 1'b0;
-    else surf_ok_q <= 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
-  end
+  assign surf_ok = 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
 
   // Row banks: row r of offsets, counted over all jobs, in bank r mod Banks.
   logic [Banks-1:0] read;
@@ -137,48 +138,48 @@ module slog_peak
   logic [ScoreW-1:0] top_score;
   logic [9:0] top_x;
   logic [RowLevelW-1:0] top_level, unused_begun_level;
-  slog_fifo #(.Width($bits(row_t)), .Depth(RowDepth)) u_begun (
-      .clk_i, .rst_i, .in_valid_i(row_valid && row_ready), .in_ready_o(begun_room), .in_data_i(row),
-      .out_valid_o(queued_begun_valid), .out_ready_i(queued_begun_ready), .out_data_o(queued_begun),
-      .level_o(unused_begun_level));
-  slog_stage #(.Width($bits(row_t))) u_begun_stage (
+  slog_fifo #(.Width($bits(row_t)), .Depth(RowDepth), .Kept(1'b1)) u_begun (
+      .clk_i, .rst_i, .in_valid_i(!no_row_q), .in_ready_o(begun_room), .in_data_i(row),
+      .out_valid_o(queued_begun_valid), .out_ready_i(queued_begun_valid && queued_begun_ready),
+      .out_data_o(queued_begun), .level_o(unused_begun_level));
+  slog_stage #(.Width($bits(row_t)), .Half(1'b1)) u_begun_stage (
       .clk_i, .rst_i, .in_valid_i(queued_begun_valid), .in_ready_o(queued_begun_ready), .in_data_i(queued_begun),
       .out_valid_o(begun_valid), .out_ready_i(begun_ready), .out_data_o(begun));
-  slog_fifo #(.Width(ScoreW + 10), .Depth(RowDepth)) u_tops (
+  slog_fifo #(.Width(ScoreW + 10), .Depth(RowDepth), .Kept(1'b1)) u_tops (
       .clk_i, .rst_i, .in_valid_i(max_valid), .in_ready_o(top_room), .in_data_i({max_score, max_x}),
       .out_valid_o(top_valid), .out_ready_i(top_ready), .out_data_o({top_score, top_x}), .level_o(top_level));
 
   // Search.
-  logic order_valid, order_ready, room_q;
+  logic order_valid, order_room, decided_valid, room;
   scan_t order;
   outcome_t decided;
   slog_peak_best #(.RowDepth(RowDepth)) u_best (
       .clk_i, .rst_i, .row_valid_i(begun_valid), .row_ready_o(begun_ready), .row_i(begun),
-      .top_level_i(top_level), .top_ready_o(top_ready), .top_score_i(top_score), .top_x_i(top_x),
-      .room_i(room_q), .order_valid_o(order_valid), .order_ready_i(order_ready), .order_o(order),
-      .outcome_o(decided), .released_o(released));
+      .top_level_i(top_level), .top_coming_i(max_valid), .top_ready_o(top_ready), .top_score_i(top_score),
+      .top_x_i(top_x), .room_i(room), .order_room_i(order_room), .order_valid_o(order_valid), .order_o(order),
+      .outcome_valid_o(decided_valid), .outcome_o(decided), .released_o(released));
 
-  logic near_valid, near_first, near_end, near_west, near_centre, near_east, far_valid;
+  logic near_first, near_end, near_west, near_centre, near_east, far_valid;
   maybe_t near_above, near_middle, near_below, far;
   slog_peak_scan #(.Banks(Banks)) u_scan (
-      .clk_i, .rst_i, .order_valid_i(order_valid), .order_ready_o(order_ready), .order_i(order),
+      .clk_i, .rst_i, .order_valid_i(order_valid), .order_room_o(order_room), .order_i(order),
       .read_o(read), .read_x_o(read_x), .data_i(bank_data),
-      .near_valid_o(near_valid), .near_first_o(near_first), .near_end_o(near_end), .near_west_o(near_west),
+      .near_first_o(near_first), .near_end_o(near_end), .near_west_o(near_west),
       .near_centre_o(near_centre), .near_east_o(near_east), .near_above_o(near_above),
       .near_middle_o(near_middle), .near_below_o(near_below), .far_valid_o(far_valid), .far_o(far));
 
   logic outcome_valid, outcome_room;
   outcome_t outcome;
   logic [$clog2(OutcomeDepth+1)-1:0] unused_outcome_level;
-  slog_fifo #(.Width($bits(outcome_t)), .Depth(OutcomeDepth)) u_outcomes (
-      .clk_i, .rst_i, .in_valid_i(order_valid && order_ready), .in_ready_o(outcome_room), .in_data_i(decided),
+  slog_fifo #(.Width($bits(outcome_t)), .Depth(OutcomeDepth), .Kept(1'b1)) u_outcomes (
+      .clk_i, .rst_i, .in_valid_i(decided_valid), .in_ready_o(outcome_room), .in_data_i(decided),
       .out_valid_o(outcome_valid), .out_ready_i(far_valid), .out_data_o(outcome), .level_o(unused_outcome_level));
 
   logic around_valid, verdict_valid;
   logic [7:0][ScoreW-1:0] around;
   verdict_t verdict;
   slog_peak_collect u_collect (
-      .clk_i, .rst_i, .near_valid_i(near_valid), .near_first_i(near_first), .near_end_i(near_end),
+      .clk_i, .rst_i, .near_first_i(near_first), .near_end_i(near_end),
       .near_west_i(near_west), .near_centre_i(near_centre), .near_east_i(near_east), .near_above_i(near_above),
       .near_middle_i(near_middle), .near_below_i(near_below), .far_valid_i(far_valid), .far_i(far),
       .outcome_i(outcome), .around_valid_o(around_valid), .around_o(around),
@@ -190,43 +191,52 @@ module slog_peak
   verdict_t verdict_out;
   logic [7:0][ScoreW-1:0] around_out;
   logic [ResultLevelW-1:0] unused_around_level, kept_q;
-  logic keep_q, popped_q;  // a place is kept, a result left: one clock late
-  slog_ram_fifo #(.Width(8 * ScoreW), .Depth(ResultDepth)) u_around (
+  logic keep_q, popped_q;        // a place is kept, a result left: one clock late
+  logic kept_all_q, kept_one_q;  // no place is left, one is
+  slog_ram_fifo #(.Width(8 * ScoreW), .Depth(ResultDepth), .Kept(1'b1)) u_around (
       .clk_i, .rst_i, .in_valid_i(around_valid), .in_ready_o(around_room), .in_data_i(around),
       .out_valid_o(around_out_valid), .out_ready_i(result_pop), .out_data_o(around_out),
       .level_o(unused_around_level));
-  slog_ram_fifo #(.Width($bits(verdict_t)), .Depth(ResultDepth)) u_verdict (
+  slog_ram_fifo #(.Width($bits(verdict_t)), .Depth(ResultDepth), .Kept(1'b1)) u_verdict (
       .clk_i, .rst_i, .in_valid_i(verdict_valid), .in_ready_o(verdict_room), .in_data_i(verdict),
       .out_valid_o(verdict_out_valid), .out_ready_i(result_pop), .out_data_o(verdict_out),
       .level_o(res_level_o));
 
-  assign res_valid_o = verdict_out_valid && around_out_valid;
-  assign result_pop  = res_valid_o && res_ready_i;
+  assign res_valid_o = verdict_out_valid;  // the neighbours are there before it
+  assign result_pop  = verdict_out_valid && res_ready_i;
   assign res_o = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
                    best_y: verdict_out.best_y, score: verdict_out.score, neighbour: around_out,
                    runner_up: verdict_out.runner_up};
 
+  // Orders come at most one in two clocks, so this has seen the last one.
+  assign room = !kept_all_q && !(kept_one_q && keep_q);
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      kept_q   <= '0;
-      keep_q   <= 1'b0;
-      popped_q <= 1'b0;
-      room_q   <= 1'b0;
+      kept_q     <= '0;
+      kept_all_q <= 1'b0;
+      kept_one_q <= 1'b0;
+      keep_q     <= 1'b0;
+      popped_q   <= 1'b0;
     end else begin
-      keep_q   <= order_valid && order_ready && order.last;
+      keep_q   <= decided_valid && decided.last;
       popped_q <= result_pop;
-      kept_q   <= kept_q + ResultLevelW'(keep_q) - ResultLevelW'(popped_q);
-      // Orders come at most one in two clocks, so this has seen the last one.
-      room_q   <= keep_q ? kept_q < ResultLevelW'(ResultDepth - 1) : kept_q < ResultLevelW'(ResultDepth);
+      if (keep_q != popped_q) begin
+        kept_q     <= popped_q ? kept_q - 1'b1 : kept_q + 1'b1;
+        kept_all_q <= !popped_q && kept_one_q;
+        kept_one_q <= popped_q ? kept_all_q : kept_q == ResultLevelW'(ResultDepth - 2);
+      end
     end
   end
 
   `SLOG_ASSERT(SlogPeakScoreGranted, !mismatch_valid_i || queue_room)
   `SLOG_ASSERT(SlogPeakColumns, (read == '0 || 32'(read_x) < MaxOffsets) && (!score_valid || 32'(score_x) < MaxOffsets))
   `SLOG_ASSERT(SlogPeakSurfaceRoom, !surf_valid || surf_room)
-  `SLOG_ASSERT(SlogPeakRowRoom, (!(row_valid && row_ready) || begun_room) && (!max_valid || top_room))
+  `SLOG_ASSERT(SlogPeakRowRoom, (no_row_q || begun_room) && (!max_valid || top_room))
   `SLOG_ASSERT(SlogPeakTopThere, !top_ready || top_valid)
-  `SLOG_ASSERT(SlogPeakOutcomeRoom, !(order_valid && order_ready) || outcome_room)
+  `SLOG_ASSERT(SlogPeakOutcomeRoom, !decided_valid || outcome_room)
   `SLOG_ASSERT(SlogPeakOutcomeThere, !far_valid || outcome_valid)
   `SLOG_ASSERT(SlogPeakResultRoom, (!around_valid || around_room) && (!verdict_valid || verdict_room))
+  `SLOG_ASSERT(SlogPeakResultWhole, !verdict_out_valid || around_out_valid)
+  `SLOG_ASSERT(SlogPeakKept, kept_all_q == (kept_q == ResultLevelW'(ResultDepth))
+                             && kept_one_q == (kept_q == ResultLevelW'(ResultDepth - 1)))
 endmodule : slog_peak

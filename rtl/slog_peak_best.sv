@@ -5,10 +5,13 @@
 // rows two or more below the best it is the greater of itself and M.
 //
 // A row is complete for this purpose when the row below it has come in too, or there is none.
-// Latency    : order_valid_o two clocks after the row is taken: load, compare.
+// Handshake  : order_valid_o is one clock long, and comes only after a clock with order_room_i.
+// Latency    : a row that is complete from clock t on (top_coming_i counted) is taken in clock t+1 at the earliest,
+//              order_valid_o two clocks after that: load, compare.
 // Throughput : a row in two clocks.
-// Stalls     : a job's last row waits for room for its result (room_i); order_ready_i is the scan's.
+// Stalls     : a job's last row waits for room for its result, room_i in the clock before the order.
 // Ties       : a row must beat the best, so the first row wins; within a row the first column came first.
+`include "slog_assert.svh"
 module slog_peak_best
   import slog_pkg::*;
   import slog_peak_pkg::*;
@@ -24,65 +27,90 @@ module slog_peak_best
     output logic              row_ready_o,
     input  row_t              row_i,
     input  logic [LevelW-1:0] top_level_i,
+    input  logic              top_coming_i,   // top_level_i counts one more from the next clock on
     output logic              top_ready_o,
     input  logic [ScoreW-1:0] top_score_i,
     input  logic [9:0]        top_x_i,
-    // Room for one more result.
+    // Room for one more result; for an order in the next clock.
     input  logic              room_i,
+    input  logic              order_room_i,
     // Order for the scan, and what goes with it.
     output logic              order_valid_o,
-    input  logic              order_ready_i,
+    output logic              outcome_valid_o,  // in the same clock
     output scan_t             order_o,
     output outcome_t          outcome_o,
     output logic [1:0]        released_o    // row banks no later scan reads
 );
   // The row being decided.
-  logic valid_q, compared_q, fresh, refused_q, single_q;  // single_q: one column
+  logic held_q, open_q;  // there is one, and it stays in the next clock; !held_q, which enables all of its data
+  logic hand_q, stay_q;  // it leaves in this clock; !hand_q
+  logic fresh_q, refused_q, only_q, brief_q;  // only_q: one column, or refused; brief_q: two, or only_q
+  logic [1:0] released_q;
   row_t row_q;
-  partial_t against_q;  // its maximum against the best
+  logic more_q;  // !row_q.last
   logic [ScoreW-1:0] top_q;
   logic [9:0] top_x_q;
   // The job so far.
   logic [ScoreW-1:0] best_q;
   logic [9:0] best_x_q, best_y_q;
-  maybe_t before_q;  // best of rows 0..r-2
+  maybe_t before_q;  // best of rows 0..r-2; 0 between jobs
   logic [1:0] gap_q;  // rows from the best to this one, 2 = two or more
-  logic complete, load, hand, refused;
+  // The row that waits.
+  logic complete_q, top_used_q;  // not of the row after one taken in the clock before: held_q is set then
+  logic refused_next_q, only_next_q, brief_next_q;
+  logic load, hand, refused, some, many, complete;
 
   assign refused     = row_i.status != StatusOk;
-  assign complete    = row_valid_i && (refused || top_level_i > LevelW'(1) || (row_i.last && top_level_i != '0));
-  assign load        = complete && (!valid_q || hand);
+  assign some        = top_level_i != '0 || top_coming_i;
+  assign many        = top_level_i > LevelW'(1) || (top_level_i == LevelW'(1) && top_coming_i);
+  assign complete    = row_valid_i && (refused || many || (row_i.last && some));
+  assign load        = !held_q && complete_q;
   assign row_ready_o = load;
-  assign top_ready_o = load && !refused;
+  assign top_ready_o = !held_q && top_used_q;
 
-  assign fresh         = row_q.first || is_above(against_q);
-  assign order_valid_o = compared_q && (room_i || !row_q.last);
-  assign hand          = order_valid_o && order_ready_i;
-  assign released_o    = hand ? 2'(!row_q.first) + 2'(row_q.last) : 2'd0;
+  assign hand            = held_q && order_room_i && (room_i || more_q);
+  assign order_valid_o   = !stay_q;
+  assign outcome_valid_o = hand_q;
+  assign released_o      = released_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      valid_q    <= 1'b0;
-      compared_q <= 1'b0;
+      held_q     <= 1'b0;
+      open_q     <= 1'b1;
+      complete_q <= 1'b0;
+      top_used_q <= 1'b0;
+      hand_q     <= 1'b0;
+      stay_q     <= 1'b1;
+      released_q <= '0;
     end else begin
-      if (load) valid_q <= 1'b1;
-      else if (hand) valid_q <= 1'b0;
-      compared_q <= valid_q && !hand;
+      held_q     <= held_q ? !hand : complete_q;
+      open_q     <= held_q ? hand : !complete_q;
+      complete_q <= complete;
+      top_used_q <= row_valid_i && !refused && (many || (row_i.last && some));
+      hand_q     <= hand;
+      stay_q     <= !hand;
+      released_q <= {2{hand}} & (2'(!row_q.first) + 2'(row_q.last));
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (load) begin
+    refused_next_q <= refused;
+    only_next_q    <= refused || row_i.last_x == '0;
+    brief_next_q   <= refused || row_i.last_x[9:1] == '0;
+    if (open_q) begin
       row_q     <= row_i;
-      refused_q <= refused;
-      single_q  <= row_i.last_x == '0;
+      more_q    <= !row_i.last;
+      refused_q <= refused_next_q;
+      only_q    <= only_next_q;
+      brief_q   <= brief_next_q;
       top_q     <= top_score_i;
       top_x_q   <= top_x_i;
     end
-    if (valid_q) against_q <= compare(32'(top_q), 32'(best_q));
-    if (hand) begin
-      before_q <= row_q.first ? '0 : {1'b1, best_q};
-      if (fresh) begin
+    fresh_q <= row_q.first || is_above(32'(top_q), 32'(best_q));
+    if (rst_i) before_q <= '0;
+    else if (!stay_q) before_q <= (row_q.first || row_q.last) ? '0 : {1'b1, best_q};
+    if (!stay_q) begin
+      if (fresh_q) begin
         best_q   <= top_q;
         best_x_q <= top_x_q;
         best_y_q <= row_q.y;
@@ -94,19 +122,22 @@ module slog_peak_best
   end
 
   always_comb begin
-    order_o = '{fresh: fresh, last: row_q.last, above: fresh && !row_q.first, middle: fresh && !refused_q,
-                below: fresh && !row_q.last, only: !fresh || refused_q || single_q,
+    order_o = '{fresh: fresh_q, last: row_q.last, above: !row_q.first, middle: !refused_q, below: !row_q.last,
+                only: !fresh_q || only_q, brief: !fresh_q || brief_q,
                 last_x: row_q.last_x, best_x: top_x_q};
-    outcome_o = '{fresh: fresh, last: row_q.last, other: '0, tag: row_q.tag, status: row_q.status,
-                  best_x: fresh ? top_x_q : best_x_q, best_y: fresh ? row_q.y : best_y_q,
-                  score: {1'b1, fresh ? top_q : best_q}};
+    outcome_o = '{fresh: fresh_q, last: row_q.last, other: '0, tag: row_q.tag, status: row_q.status,
+                  best_x: fresh_q ? top_x_q : best_x_q, best_y: fresh_q ? row_q.y : best_y_q,
+                  score: {1'b1, fresh_q ? top_q : best_q}};
     if (refused_q) begin
       outcome_o.score  = '0;
       outcome_o.best_x = '0;
-    end else if (fresh) begin
-      outcome_o.other = row_q.first ? '0 : before_q;
+    end
+    if (fresh_q) begin
+      outcome_o.other = before_q;
     end else if (gap_q == 2'd2) begin
       outcome_o.other = {1'b1, top_q};
     end
   end
+
+  `SLOG_ASSERT(SlogPeakBestRow, !load || (row_valid_i && refused == refused_next_q))
 endmodule : slog_peak_best

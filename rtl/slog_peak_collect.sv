@@ -3,7 +3,7 @@
 // runner-up after a row = max(other, fresh ? far : runner-up before), with the row's outcome_t.
 //
 // Neighbours leave one clock after the job's last column; the verdict three clocks after the last far_valid_i:
-//   0  far_valid_i      1  compare bytes      2  verdict, select      3  verdict_valid_o
+//   0  far_valid_i      1  compare      2  select      3  verdict_valid_o
 // Throughput : a row in two clocks, columns one per clock. Never stalls: its user keeps room for both outputs.
 // Formats    : absent scores leave as NoScore.
 `include "slog_assert.svh"
@@ -15,7 +15,6 @@ module slog_peak_collect
     input  logic                   clk_i,
     input  logic                   rst_i,
     // Columns of slog_peak_scan.
-    input  logic                   near_valid_i,
     input  logic                   near_first_i,
     input  logic                   near_end_i,
     input  logic                   near_west_i,
@@ -37,20 +36,20 @@ module slog_peak_collect
   logic around_end_q;
 
   // A place is absent from the first column on until its column goes by.
-  function automatic maybe_t next_around(maybe_t held, logic hit, maybe_t value, logic first);
-    return hit ? value : first ? '0 : held;
-  endfunction
-
   always_ff @(posedge clk_i) begin
-    if (near_valid_i) begin
-      around_q[0] <= next_around(around_q[0], near_west_i, near_above_i, near_first_i);
-      around_q[1] <= next_around(around_q[1], near_centre_i, near_above_i, near_first_i);
-      around_q[2] <= next_around(around_q[2], near_east_i, near_above_i, near_first_i);
-      around_q[3] <= next_around(around_q[3], near_west_i, near_middle_i, near_first_i);
-      around_q[4] <= next_around(around_q[4], near_east_i, near_middle_i, near_first_i);
-      around_q[5] <= next_around(around_q[5], near_west_i, near_below_i, near_first_i);
-      around_q[6] <= next_around(around_q[6], near_centre_i, near_below_i, near_first_i);
-      around_q[7] <= next_around(around_q[7], near_east_i, near_below_i, near_first_i);
+    if (near_west_i || near_first_i) begin
+      around_q[0] <= near_west_i ? near_above_i : '0;
+      around_q[3] <= near_west_i ? near_middle_i : '0;
+      around_q[5] <= near_west_i ? near_below_i : '0;
+    end
+    if (near_centre_i || near_first_i) begin
+      around_q[1] <= near_centre_i ? near_above_i : '0;
+      around_q[6] <= near_centre_i ? near_below_i : '0;
+    end
+    if (near_east_i || near_first_i) begin
+      around_q[2] <= near_east_i ? near_above_i : '0;
+      around_q[4] <= near_east_i ? near_middle_i : '0;
+      around_q[7] <= near_east_i ? near_below_i : '0;
     end
   end
 
@@ -61,7 +60,7 @@ module slog_peak_collect
   logic s1_valid_q, s2_valid_q, s3_valid_q;
   maybe_t s1_far_q, s2_far_q, runner_up_q;
   outcome_t s1_outcome_q, s2_outcome_q;
-  partial_t s2_against_far_q, s2_against_held_q;
+  logic s2_above_far_q, s2_above_held_q;
   verdict_t s3_verdict_q;  // all but the runner-up
 
   always_ff @(posedge clk_i) begin
@@ -79,21 +78,19 @@ module slog_peak_collect
   end
 
   always_ff @(posedge clk_i) begin
-    if (far_valid_i) begin
-      s1_outcome_q <= outcome_i;
-      s1_far_q     <= far_i;
-    end
+    s1_outcome_q <= outcome_i;
+    s1_far_q     <= far_i;
     if (s1_valid_q) begin
-      s2_outcome_q      <= s1_outcome_q;
-      s2_far_q          <= s1_far_q;
-      s2_against_far_q  <= compare(32'(s1_outcome_q.other), 32'(s1_far_q));
-      s2_against_held_q <= compare(32'(s1_outcome_q.other), 32'(runner_up_q));
+      s2_outcome_q    <= s1_outcome_q;
+      s2_far_q        <= s1_far_q;
+      s2_above_far_q  <= is_above(32'(s1_outcome_q.other), 32'(s1_far_q));
+      s2_above_held_q <= is_above(32'(s1_outcome_q.other), 32'(runner_up_q));
     end
     if (s2_valid_q) begin
       s3_verdict_q <= '{tag: s2_outcome_q.tag, status: s2_outcome_q.status, best_x: s2_outcome_q.best_x,
                         best_y: s2_outcome_q.best_y, score: or_no_score(s2_outcome_q.score), runner_up: '0};
-      if (s2_outcome_q.fresh) runner_up_q <= is_above(s2_against_far_q) ? s2_outcome_q.other : s2_far_q;
-      else if (is_above(s2_against_held_q)) runner_up_q <= s2_outcome_q.other;
+      if (s2_outcome_q.fresh) runner_up_q <= s2_above_far_q ? s2_outcome_q.other : s2_far_q;
+      else if (s2_above_held_q) runner_up_q <= s2_outcome_q.other;
     end
   end
 

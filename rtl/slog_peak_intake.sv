@@ -1,12 +1,14 @@
 // Takes scores row by row: mismatches to scores, each row into the next of the row banks, surface scores out.
 //
-//   0  mismatch_valid_i, mismatch_ready_o: position known        1  mismatch and area registered        2  score: outputs
+//   0  mismatch_valid_i, mismatch_ready_o: last of its row?      1  mismatch registered, its place known      2  score: outputs
+// Handshake  : row_coming_i says that a row is there to be taken in the next clock; row_taken_o takes it. What
+//              describes the row stays for one clock more.
 // Latency    : score_* and surf_valid_o two clocks after the mismatch is taken; score = area - mismatch.
 // Throughput : one score per clock, also from row to row and job to job; at most one row in two clocks.
 // Stalls     : a row begins when a bank is free (banks are reused in turn; released_i banks return). A bank is
 //              released when the last scan that reads it starts: scans never pause and scores come at most one per
-//              clock, so a new row follows the scan and never overtakes it. Surface scores wait for surf_ok_i, which must
-//              leave room for four more.
+//              clock, so a new row follows the scan and never overtakes it. Surface scores wait for surf_ok_i of the clock before,
+//              which must leave room for four more.
 `include "slog_assert.svh"
 module slog_peak_intake
   import slog_pkg::*;
@@ -18,8 +20,8 @@ module slog_peak_intake
     input  logic                 clk_i,
     input  logic                 rst_i,
     // Rows to come.
-    input  logic                 row_valid_i,
-    output logic                 row_ready_o,
+    input  logic                 row_coming_i,
+    output logic                 row_taken_o,
     input  logic                 row_refused_i,
     input  logic [9:0]           row_last_x_i,
     input  logic                 row_first_i,    // of its job
@@ -45,60 +47,63 @@ module slog_peak_intake
 );
   localparam int unsigned UsedW = $clog2(Banks + 1);
 
-  // The row that is coming in.
-  logic run_q, begin_q, end_q, first_row_q, last_row_q;  // begin_q, end_q: the next score is the row's first, last
-  logic [9:0] x_q, left_q;
-  scoring_t scoring_q;
-  logic [Banks-1:0] bank_q;
+  // The row that is coming in, as far as stage 0 needs it.
+  logic idle_q, run_q, surface_q;  // run_q: !idle_q
+  logic go_q;            // takes a score
+  logic end_q, near_q;   // the next score is the row's last, last but one
+  logic ending_q;        // go_q && end_q
+  logic [9:0] left_q;    // scores after the next one
+  logic pop, close, fill, take, row_go, run_go;
   // Banks.
-  logic [UsedW-1:0] used_q;
-  logic open_q;  // a bank is free
-  logic pop, close, take;
+  logic [UsedW-1:0] used_q;  // as of the clock before, what came back since counted
+  logic take_q;
+  logic open_q;  // a bank is free and a row is there
 
-  assign mismatch_ready_o = run_q && (surf_ok_i || !scoring_q.surface);
-  assign pop              = mismatch_valid_i && mismatch_ready_o;
-  assign close            = pop && end_q;
-  assign row_ready_o      = open_q && (!run_q || close);
-  assign take             = row_valid_i && row_ready_o;
+  assign mismatch_ready_o = go_q;
+  assign pop              = mismatch_valid_i && go_q;
+  assign close            = mismatch_valid_i && ending_q;
+  assign fill             = !run_q || close;
+  assign take             = open_q && fill;
+  assign row_taken_o      = take;
+  // The row that waits, the one that runs, would take a score in the next clock.
+  assign row_go           = !row_refused_i && (surf_ok_i || !scoring_i.surface);
+  assign run_go           = surf_ok_i || !surface_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      run_q  <= 1'b0;
-      used_q <= '0;
-      open_q <= 1'b0;
-      bank_q <= Banks'(1) << (Banks - 1);
+      idle_q   <= 1'b1;
+      run_q    <= 1'b0;
+      go_q     <= 1'b0;
+      ending_q <= 1'b0;
+      open_q   <= 1'b0;
+      used_q   <= '0;
     end else begin
-      if (take) run_q <= !row_refused_i;
-      else if (close) run_q <= 1'b0;
-      if (take) bank_q <= {bank_q[Banks-2:0], bank_q[Banks-1]};
-      used_q <= used_q + UsedW'(take) - UsedW'(released_i);
-      open_q <= !take && (used_q != UsedW'(Banks) || released_i != '0);
+      // With fill, a row is taken if one may be (open_q).
+      idle_q   <= fill && !(open_q && !row_refused_i);
+      run_q    <= !fill || (open_q && !row_refused_i);
+      go_q     <= fill ? open_q && row_go : run_go;
+      ending_q <= fill ? open_q && row_go && scoring_i.one : run_go && (pop ? near_q : end_q);
+      open_q   <= row_coming_i && !take && (used_q != UsedW'(Banks) - UsedW'(take_q) || released_i != '0);
+      used_q   <= used_q + UsedW'(take_q) - UsedW'(released_i);
     end
   end
 
+  // Whatever stands at the input is loaded when a row may be taken; while idle again and again, until one is.
   always_ff @(posedge clk_i) begin
-    if (take) begin
-      x_q         <= '0;
-      left_q      <= row_last_x_i;
-      begin_q     <= 1'b1;
-      end_q       <= row_last_x_i == '0;
-      first_row_q <= row_first_i;
-      last_row_q  <= row_last_i;
-      scoring_q   <= scoring_i;
-    end else if (pop) begin
-      x_q     <= x_q + 10'd1;
-      left_q  <= left_q - 10'd1;
-      begin_q <= 1'b0;
-      end_q   <= left_q == 10'd1;
+    if (idle_q || pop) begin
+      end_q  <= (idle_q || end_q) ? scoring_i.one : near_q;
+      near_q <= (idle_q || end_q) ? scoring_i.two : left_q == 10'd2;
+      left_q <= (idle_q || end_q) ? row_last_x_i : left_q - 10'd1;
+      if (idle_q || end_q) surface_q <= scoring_i.surface;
     end
   end
 
-  // Stage 1.
-  logic s1_valid_q, s1_first_q, s1_last_q, s1_surf_q, s1_surf_first_q, s1_surf_last_q;
-  logic [9:0] s1_x_q;
-  logic [Banks-1:0] s1_bank_q;
+  // Stage 1: the row follows a clock behind, its first score at the earliest two.
+  logic s1_valid_q, s1_last_q, begin_q, first_row_q, last_row_q, surface_row_q;
   logic [ScoreBits-1:0] s1_mismatch_q;
-  logic [ScoreW-1:0] s1_area_q;
+  logic [9:0] x_q;
+  logic [ScoreW-1:0] area_q;
+  logic [Banks-1:0] bank_q;
   // Stage 2.
   logic s2_valid_q, s2_first_q, s2_last_q, s2_surf_q, s2_surf_first_q, s2_surf_last_q;
   logic [9:0] s2_x_q;
@@ -107,38 +112,43 @@ module slog_peak_intake
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
+      take_q     <= 1'b0;
+      bank_q     <= Banks'(1) << (Banks - 1);
       s1_valid_q <= 1'b0;
-      s1_surf_q  <= 1'b0;
       s2_valid_q <= 1'b0;
       s2_surf_q  <= 1'b0;
       s2_bank_q  <= '0;
     end else begin
+      take_q     <= take;
+      if (take_q) bank_q <= {bank_q[Banks-2:0], bank_q[Banks-1]};
       s1_valid_q <= pop;
-      s1_surf_q  <= pop && scoring_q.surface;
       s2_valid_q <= s1_valid_q;
-      s2_surf_q  <= s1_surf_q;
-      s2_bank_q  <= s1_valid_q ? s1_bank_q : '0;
+      s2_surf_q  <= s1_valid_q && surface_row_q;
+      s2_bank_q  <= s1_valid_q ? bank_q : '0;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (pop) begin
-      s1_first_q      <= begin_q;
-      s1_last_q       <= end_q;
-      s1_surf_first_q <= begin_q && first_row_q;
-      s1_surf_last_q  <= end_q && last_row_q;
-      s1_x_q          <= x_q;
-      s1_bank_q       <= bank_q;
-      s1_mismatch_q   <= mismatch_i;
-      s1_area_q       <= scoring_q.area;
+    s1_last_q     <= end_q;
+    s1_mismatch_q <= mismatch_i;
+    if (take_q) begin
+      x_q           <= '0;
+      begin_q       <= 1'b1;
+      first_row_q   <= row_first_i;
+      last_row_q    <= row_last_i;
+      surface_row_q <= scoring_i.surface;
+      area_q        <= scoring_i.area;
+    end else if (s1_valid_q) begin
+      x_q     <= x_q + 10'd1;
+      begin_q <= 1'b0;
     end
     if (s1_valid_q) begin
-      s2_first_q      <= s1_first_q;
+      s2_first_q      <= begin_q;
       s2_last_q       <= s1_last_q;
-      s2_surf_first_q <= s1_surf_first_q;
-      s2_surf_last_q  <= s1_surf_last_q;
-      s2_x_q          <= s1_x_q;
-      s2_score_q      <= s1_area_q - ScoreW'(s1_mismatch_q);
+      s2_surf_first_q <= begin_q && first_row_q;
+      s2_surf_last_q  <= s1_last_q && last_row_q;
+      s2_x_q          <= x_q;
+      s2_score_q      <= area_q - ScoreW'(s1_mismatch_q);
     end
   end
 
@@ -152,6 +162,8 @@ module slog_peak_intake
   assign surf_first_o  = s2_surf_first_q;
   assign surf_last_o   = s2_surf_last_q;
 
-  `SLOG_ASSERT(SlogPeakIntakeBanks, used_q <= UsedW'(Banks) && UsedW'(released_i) <= used_q)
-  `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= s1_area_q)
+  `SLOG_ASSERT(SlogPeakIntakeBanks, used_q + UsedW'(take_q) <= UsedW'(Banks)
+                                    && UsedW'(released_i) <= used_q + UsedW'(take_q))
+  `SLOG_ASSERT(SlogPeakIntakeEnd, idle_q || (end_q == (left_q == '0) && near_q == (left_q == 10'd1)))
+  `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= area_q)
 endmodule : slog_peak_intake

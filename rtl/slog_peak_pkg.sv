@@ -23,6 +23,8 @@ package slog_peak_pkg;
   // What is needed while the scores of a row come in.
   typedef struct packed {
     logic              surface;
+    logic              one;      // one offset across
+    logic              two;
     logic [ScoreW-1:0] area;
   } scoring_t;
 
@@ -30,10 +32,11 @@ package slog_peak_pkg;
   typedef struct packed {
     logic       fresh;   // the row holds the best so far
     logic       last;    // of its job
-    logic       above;   // which of the three rows are read
+    logic       above;   // which of the three rows there are: read if fresh
     logic       middle;
     logic       below;
     logic       only;    // one column, whatever last_x says
+    logic       brief;   // one or two columns
     logic [9:0] last_x;
     logic [9:0] best_x;
   } scan_t;

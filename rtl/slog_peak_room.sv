@@ -20,8 +20,8 @@ module slog_peak_room #(
   localparam int unsigned HeldW = $clog2(Depth + 1);
 
   logic [HeldW-1:0] held_q;
-  logic ready_q, taken_q, owed_q;  // owed_q: a score that left while a grant was counted
-  logic grant;
+  logic ready_q, taken_q, grant;
+  logic [1:0] left_q;  // scores that left and are not counted: taken_q, and one that left while a grant was counted
 
   assign row_ready_o = ready_q;
   assign grant       = row_valid_i && ready_q;
@@ -31,12 +31,12 @@ module slog_peak_room #(
       held_q  <= '0;
       ready_q <= 1'b0;
       taken_q <= 1'b0;
-      owed_q  <= 1'b0;
+      left_q  <= '0;
     end else begin
       taken_q <= taken_i;
-      // One adder: a grant has the clock to itself.
-      owed_q  <= grant && taken_q;
-      held_q  <= grant ? held_q + HeldW'(row_offsets_i) : held_q - HeldW'(2'(taken_q) + 2'(owed_q));
+      // A grant has the clock to itself.
+      left_q  <= 2'(taken_i) + 2'(grant && taken_q);
+      held_q  <= grant ? held_q + HeldW'(row_offsets_i) : held_q - HeldW'(left_q);
       ready_q <= !grant && held_q <= HeldW'(Depth - MaxOffsets);
     end
   end

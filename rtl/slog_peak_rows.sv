@@ -1,7 +1,10 @@
 // Unrolls a job's context into its rows of offsets. A refused job gives one row.
 //
-// Latency    : a context taken in clock t offers its first row in clock t+1.
-// Throughput : one row per clock, jobs back to back.
+// Handshake  : row_coming_o says that a row is there to be taken in the next clock, unless one is taken in this one.
+//              row_taken_i takes it; row_o and scoring_o stay for one clock more.
+// Latency    : a context taken in clock t may have its first row taken in clock t+1.
+// Throughput : one row in two clocks, jobs back to back.
+`include "slog_assert.svh"
 module slog_peak_rows
   import slog_pkg::*;
   import slog_peak_pkg::*;
@@ -11,42 +14,53 @@ module slog_peak_rows
     input  logic     ctx_valid_i,
     output logic     ctx_ready_o,
     input  context_t ctx_i,
-    output logic     row_valid_o,
-    input  logic     row_ready_i,
+    output logic     row_coming_o,
+    input  logic     row_taken_i,
     output row_t     row_o,
     output scoring_t scoring_o
 );
-  logic valid_q, load;
+  logic load_q, step_q;  // nothing more to offer; a row was taken and the job has more
+  logic some_q, load;    // !load_q: apart from it, because that enables all of the data
   row_t row_q;
   scoring_t scoring_q;
   logic [9:0] left_q;  // rows after this one
 
-  assign load        = !valid_q || (row_ready_i && row_q.last);
-  assign ctx_ready_o = load;
-  assign row_valid_o = valid_q;
-  assign row_o       = row_q;
-  assign scoring_o   = scoring_q;
+  assign load         = (row_taken_i && row_q.last) || (!some_q && !ctx_valid_i);
+  assign ctx_ready_o  = !some_q;
+  assign row_coming_o = ctx_valid_i || some_q;
+  assign row_o        = row_q;
+  assign scoring_o    = scoring_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) valid_q <= 1'b0;
-    else if (load) valid_q <= ctx_valid_i;
+    if (rst_i) begin
+      load_q <= 1'b1;
+      some_q <= 1'b0;
+      step_q <= 1'b0;
+    end else begin
+      load_q <= load;
+      some_q <= !load;
+      step_q <= row_taken_i && !row_q.last;
+    end
   end
 
   always_ff @(posedge clk_i) begin
-    if (load) begin
+    if (load_q) begin
       row_q.tag    <= ctx_i.tag;
       row_q.status <= ctx_i.status;
       row_q.last_x <= ctx_i.offsets_x - 10'd1;
       row_q.y      <= '0;
       row_q.first  <= 1'b1;
-      row_q.last   <= ctx_i.status != StatusOk || ctx_i.offsets_y == 10'd1;
       left_q       <= ctx_i.offsets_y - 10'd1;
-      scoring_q    <= '{surface: ctx_i.surface, area: ctx_i.area};
-    end else if (row_ready_i) begin
+      scoring_q    <= '{surface: ctx_i.surface, one: ctx_i.offsets_x == 10'd1, two: ctx_i.offsets_x == 10'd2,
+                        area: ctx_i.area};
+    end else if (step_q) begin
       row_q.y     <= row_q.y + 10'd1;
       row_q.first <= 1'b0;
-      row_q.last  <= left_q == 10'd1;
       left_q      <= left_q - 10'd1;
     end
+    if (!some_q) row_q.last <= ctx_i.status != StatusOk || ctx_i.offsets_y == 10'd1;
+    else if (step_q) row_q.last <= left_q == 10'd1;
   end
+
+  `SLOG_ASSERT(SlogPeakRowsThere, !row_taken_i || !(load_q || step_q))
 endmodule : slog_peak_rows

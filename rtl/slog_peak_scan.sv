@@ -2,7 +2,8 @@
 //
 //   0  address to the banks     2  bank data     3  rows in order, columns named: near_*
 //   4  above against below      5  greater       6  against middle       7  greater, 0 near the best     10 far_valid_o
-// Latency    : column 0 is read one clock after the order is taken, an only column two; near_* three clocks after a
+// Handshake  : order_room_o says that an order may come in the next clock, unless one comes in this one.
+// Latency    : column 0 is read one clock after the order comes, an only column again in the clock after; near_* three clocks after a
 //              column's read; far_* ten clocks after the last column's read.
 // Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, one of an only column two (so that far_*
 //              come at most in every other clock), and never pauses.
@@ -18,14 +19,13 @@ module slog_peak_scan
     input  logic                         clk_i,
     input  logic                         rst_i,
     input  logic                         order_valid_i,
-    output logic                         order_ready_o,
+    output logic                         order_room_o,
     input  scan_t                        order_i,
     // Row banks: data two clocks after the read.
     output logic [Banks-1:0]             read_o,
     output logic [9:0]                   read_x_o,
     input  logic [Banks-1:0][ScoreW-1:0] data_i,
     // A column of a row that holds the best so far.
-    output logic                         near_valid_o,
     output logic                         near_first_o,   // of the scan
     output logic                         near_end_o,     // of the job; also after a row that does not hold the best
     output logic                         near_west_o,    // the column left of the best, at it, right of it
@@ -40,129 +40,150 @@ module slog_peak_scan
 );
   // A column on its way from the read to the row registers.
   typedef struct packed {
-    logic             first;
-    logic             last;
-    logic             fresh;
-    logic             job_end;
-    logic             west;
-    logic             centre;
-    logic             east;
-    logic             above;
-    logic             middle;
-    logic             below;
-    logic [Banks-1:0] bank;    // the scanned row's, one-hot
+    logic first;
+    logic last;
+    logic fresh;
+    logic job_end;
+    logic west;
+    logic centre;
+    logic east;
   } column_t;
 
   // Stage 0.
-  logic busy_q, wait_q, first_q, last_q, reading, take;  // wait_q: the clock before an only column
+  logic busy_q, first_q, last_q;
+  logic reading_q;  // x_q is a column of the order; low in the clock before an only column
+  logic room_q;     // no more than one clock of the order is left after this one
   logic [9:0] x_q, left_q;
-  logic [10:0] west_q, east_q;  // columns beside the best; 11 bits, so that -1 is no column
-  logic [9:0] centre_q;
+  logic [10:0] until_q;  // columns from here to the best
   logic fresh_q, job_last_q, above_q, middle_q, below_q;
   logic [Banks-1:0] bank_q, next_bank, read_q;
 
-  assign order_ready_o = !busy_q || last_q;
-  assign take          = order_valid_i && order_ready_o;
-  assign next_bank     = {bank_q[Banks-2:0], bank_q[Banks-1]};
-  assign reading       = busy_q && !wait_q;
-  assign read_o        = reading ? read_q : '0;
-  assign read_x_o      = x_q;
+  assign order_room_o = room_q;
+  assign next_bank    = {bank_q[Banks-2:0], bank_q[Banks-1]};
+  assign read_o       = read_q;
+  assign read_x_o     = x_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      busy_q <= 1'b0;
-      bank_q <= Banks'(1) << (Banks - 1);
+      busy_q    <= 1'b0;
+      last_q    <= 1'b0;
+      room_q    <= 1'b1;
+      reading_q <= 1'b0;
+      read_q    <= '0;
+      bank_q    <= Banks'(1) << (Banks - 1);
+    end else if (order_valid_i) begin
+      busy_q    <= 1'b1;
+      last_q    <= 1'b0;
+      room_q    <= order_i.brief;
+      reading_q <= !order_i.only;
+      read_q    <= !order_i.fresh ? '0 : (next_bank & {Banks{order_i.middle}})
+                 | ({next_bank[0], next_bank[Banks-1:1]} & {Banks{order_i.above}})
+                 | ({next_bank[Banks-2:0], next_bank[Banks-1]} & {Banks{order_i.below}});
+      bank_q    <= next_bank;
     end else begin
-      if (take) busy_q <= 1'b1;
-      else if (last_q) busy_q <= 1'b0;
-      if (take) bank_q <= next_bank;
+      busy_q    <= busy_q && !last_q;
+      last_q    <= busy_q && !last_q && room_q;
+      room_q    <= room_q || left_q == 10'd2;
+      reading_q <= busy_q && !last_q;
+      read_q    <= last_q ? '0 : read_q;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (take) begin
+    if (order_valid_i) begin
       fresh_q    <= order_i.fresh;
       job_last_q <= order_i.last;
-      above_q    <= order_i.above;
-      middle_q   <= order_i.middle;
-      below_q    <= order_i.below;
-      centre_q   <= order_i.best_x;
-      west_q     <= 11'(order_i.best_x) - 11'd1;
-      east_q     <= 11'(order_i.best_x) + 11'd1;
+      above_q    <= order_i.fresh && order_i.above;
+      middle_q   <= order_i.fresh && order_i.middle;
+      below_q    <= order_i.fresh && order_i.below;
+      until_q    <= 11'(order_i.best_x);
       first_q    <= 1'b1;
-      last_q     <= 1'b0;
-      wait_q     <= order_i.only;
       x_q        <= '0;
       left_q     <= order_i.last_x;
-      read_q     <= (next_bank & {Banks{order_i.middle}})
-                  | ({next_bank[0], next_bank[Banks-1:1]} & {Banks{order_i.above}})
-                  | ({next_bank[Banks-2:0], next_bank[Banks-1]} & {Banks{order_i.below}});
-    end else if (wait_q) begin
-      wait_q  <= 1'b0;
-      last_q  <= 1'b1;
-    end else if (busy_q) begin
+    end else if (reading_q) begin
       first_q <= 1'b0;
-      last_q  <= left_q == 10'd1;
       x_q     <= x_q + 10'd1;
       left_q  <= left_q - 10'd1;
+      until_q <= until_q - 11'd1;
     end
   end
 
   // Stages 1 to 7: valid bits, then data that move only with them.
   logic [7:1] valid_q;
   column_t s1_q, s2_q;
+  logic s1_above_q, s1_middle_q, s1_below_q;
+  logic [Banks-1:0] s1_bank_q;                              // the scanned row's, one-hot
+  logic [Banks-1:0] s2_above_q, s2_middle_q, s2_below_q;    // one-hot, or none
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
-    else valid_q <= {valid_q[6:1], reading};
+    else valid_q <= {valid_q[6:1], reading_q};
   end
 
   always_ff @(posedge clk_i) begin
-    if (reading) begin
-      s1_q <= '{first: first_q, last: last_q, fresh: fresh_q, job_end: job_last_q && last_q,
-                west: 11'(x_q) == west_q, centre: x_q == centre_q, east: 11'(x_q) == east_q,
-                above: above_q, middle: middle_q, below: below_q, bank: bank_q};
+    if (reading_q) begin
+      s1_q        <= '{first: first_q, last: last_q, fresh: fresh_q, job_end: job_last_q && last_q,
+                       west: until_q == 11'd1, centre: until_q == '0, east: until_q == '1};
+      s1_above_q  <= above_q;
+      s1_middle_q <= middle_q;
+      s1_below_q  <= below_q;
+      s1_bank_q   <= bank_q;
     end
-    if (valid_q[1]) s2_q <= s1_q;
+    if (valid_q[1]) begin
+      s2_q        <= s1_q;
+      s2_above_q  <= {s1_bank_q[0], s1_bank_q[Banks-1:1]} & {Banks{s1_above_q}};
+      s2_middle_q <= s1_bank_q & {Banks{s1_middle_q}};
+      s2_below_q  <= {s1_bank_q[Banks-2:0], s1_bank_q[Banks-1]} & {Banks{s1_below_q}};
+    end
   end
 
-  // The data of one bank, absent unless `present`.
-  function automatic maybe_t pick(logic [Banks-1:0][ScoreW-1:0] data, logic [Banks-1:0] bank, logic present);
+  // The data of one bank; absent if it is none.
+  function automatic maybe_t pick(logic [Banks-1:0][ScoreW-1:0] data, logic [Banks-1:0] bank);
     logic [ScoreW-1:0] value = '0;
-    for (int b = 0; b < Banks; b++) value |= data[b] & {ScoreW{bank[b] && present}};
-    return {present, value};
+    for (int b = 0; b < Banks; b++) value |= data[b] & {ScoreW{bank[b]}};
+    return {|bank, value};
   endfunction
 
-  logic s3_first_q, s3_last_q, s3_fresh_q, s3_end_q, s3_west_q, s3_centre_q, s3_east_q;
+  logic s3_first_q, s3_last_q, s3_beside_q;
+  // With the valid bit; all but s3_end_q only for a row that holds the best so far.
+  logic s3_end_q, s3_near_first_q, s3_west_q, s3_centre_q, s3_east_q;
   maybe_t s3_above_q, s3_middle_q, s3_below_q;
   logic s4_first_q, s4_last_q, s4_near_q;
-  partial_t s4_compare_q;
+  logic s4_above_wins_q;
   maybe_t s4_above_q, s4_middle_q, s4_below_q;
   logic s5_first_q, s5_last_q, s5_near_q;
   maybe_t s5_outer_q, s5_middle_q;
   logic s6_first_q, s6_last_q, s6_near_q;
-  partial_t s6_compare_q;
+  logic s6_outer_wins_q;
   maybe_t s6_outer_q, s6_middle_q;
   logic s7_first_q, s7_last_q;
   maybe_t s7_value_q;
 
   always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      {s3_end_q, s3_near_first_q, s3_west_q, s3_centre_q, s3_east_q} <= '0;
+    end else begin
+      s3_end_q        <= valid_q[2] && s2_q.job_end;
+      s3_near_first_q <= valid_q[2] && s2_q.fresh && s2_q.first;
+      s3_west_q       <= valid_q[2] && s2_q.fresh && s2_q.west;
+      s3_centre_q     <= valid_q[2] && s2_q.fresh && s2_q.centre;
+      s3_east_q       <= valid_q[2] && s2_q.fresh && s2_q.east;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
     if (valid_q[2]) begin
       s3_first_q  <= s2_q.first;
       s3_last_q   <= s2_q.last;
-      s3_fresh_q  <= s2_q.fresh;
-      s3_end_q    <= s2_q.job_end;
-      s3_west_q   <= s2_q.west;
-      s3_centre_q <= s2_q.centre;
-      s3_east_q   <= s2_q.east;
-      s3_above_q  <= pick(data_i, {s2_q.bank[0], s2_q.bank[Banks-1:1]}, s2_q.above);
-      s3_middle_q <= pick(data_i, s2_q.bank, s2_q.middle);
-      s3_below_q  <= pick(data_i, {s2_q.bank[Banks-2:0], s2_q.bank[Banks-1]}, s2_q.below);
+      s3_beside_q <= s2_q.west || s2_q.centre || s2_q.east;
+      s3_above_q  <= pick(data_i, s2_above_q);
+      s3_middle_q <= pick(data_i, s2_middle_q);
+      s3_below_q  <= pick(data_i, s2_below_q);
     end
     if (valid_q[3]) begin
       s4_first_q      <= s3_first_q;
       s4_last_q       <= s3_last_q;
-      s4_near_q       <= s3_west_q || s3_centre_q || s3_east_q;
-      s4_compare_q    <= compare(32'(s3_above_q), 32'(s3_below_q));
+      s4_near_q       <= s3_beside_q;
+      s4_above_wins_q <= is_above(32'(s3_above_q), 32'(s3_below_q));
       s4_above_q      <= s3_above_q;
       s4_middle_q     <= s3_middle_q;
       s4_below_q      <= s3_below_q;
@@ -171,27 +192,26 @@ module slog_peak_scan
       s5_first_q  <= s4_first_q;
       s5_last_q   <= s4_last_q;
       s5_near_q   <= s4_near_q;
-      s5_outer_q  <= is_above(s4_compare_q) ? s4_above_q : s4_below_q;
+      s5_outer_q  <= s4_above_wins_q ? s4_above_q : s4_below_q;
       s5_middle_q <= s4_middle_q;
     end
     if (valid_q[5]) begin
       s6_first_q      <= s5_first_q;
       s6_last_q       <= s5_last_q;
       s6_near_q       <= s5_near_q;
-      s6_compare_q    <= compare(32'(s5_outer_q), 32'(s5_middle_q));
+      s6_outer_wins_q <= is_above(32'(s5_outer_q), 32'(s5_middle_q));
       s6_outer_q      <= s5_outer_q;
       s6_middle_q     <= s5_middle_q;
     end
     if (valid_q[6]) begin
       s7_first_q <= s6_first_q;
       s7_last_q  <= s6_last_q;
-      s7_value_q <= s6_near_q ? '0 : is_above(s6_compare_q) ? s6_outer_q : s6_middle_q;
+      s7_value_q <= s6_near_q ? '0 : s6_outer_wins_q ? s6_outer_q : s6_middle_q;
     end
   end
 
-  assign near_valid_o  = valid_q[3] && s3_fresh_q;
-  assign near_end_o    = valid_q[3] && s3_end_q;
-  assign near_first_o  = s3_first_q;
+  assign near_end_o    = s3_end_q;
+  assign near_first_o  = s3_near_first_q;
   assign near_west_o   = s3_west_q;
   assign near_centre_o = s3_centre_q;
   assign near_east_o   = s3_east_q;
@@ -205,5 +225,6 @@ module slog_peak_scan
       .in_value_i(s7_value_q), .in_index_i(1'b0),
       .out_valid_o(far_valid_o), .out_value_o(far_o), .out_index_o(unused_index));
 
+  `SLOG_ASSERT(SlogPeakScanRoom, !order_valid_i || !busy_q || last_q)
   `SLOG_ASSERT(SlogPeakScanBank, $onehot(bank_q))
 endmodule : slog_peak_scan

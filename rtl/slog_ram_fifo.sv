@@ -2,11 +2,14 @@
 //
 // Latency    : a word pushed in clock t is offered in clock t+4 at the earliest (pointer, RAM read, output register, queue).
 // Throughput : one push and one pop per clock, also when full (a pop frees its place in the next clock).
+// With Kept  : its user promises in_valid_i only with in_ready_o and out_ready_i only with out_valid_o; that is asserted,
+//              and no logic looks after it.
 // Formats    : opaque words of Width bits; level_o counts the words held anywhere inside, 0..Depth.
 `include "slog_assert.svh"
 module slog_ram_fifo #(
     parameter  int unsigned Width  = 8,
     parameter  int unsigned Depth  = 16,
+    parameter  bit          Kept   = 1'b0,
     localparam int unsigned LevelW = $clog2(Depth + 1)
 ) (
     input  logic              clk_i,
@@ -26,42 +29,57 @@ module slog_ram_fifo #(
   localparam int unsigned OutDepth = 4;
   localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
 
-  logic [AddrW-1:0] head_q, tail_q;
-  logic [LevelW-1:0] level_q;   // words inside
-  logic [LevelW-1:0] stored_q;  // words in the RAM not asked for yet
+  logic [AddrW-1:0] head_q, tail_q, after_head_q, after_tail_q;
+  logic [AddrW-1:0] front_q;     // place of the next word to leave
+  logic [LevelW-1:0] level_q;    // words inside
   logic [OutLevelW-1:0] free_q;  // places of the output queue not spoken for
-  logic full_q, some_q;          // level_q == Depth; stored_q != 0
+  logic full_q, some_q, room_q;  // level_q == Depth; words in the RAM not asked for yet; free_q != 0
   logic read_q, read_q2;         // a word is on its way
   logic push, pop, read;
   logic [Width-1:0] ram_data;
 
   assign in_ready_o = !full_q;
   assign level_o    = level_q;
-  assign push       = in_valid_i && !full_q;
-  assign pop        = out_valid_o && out_ready_i;
-  assign read       = some_q && free_q != '0;
+  assign push       = in_valid_i && (Kept || !full_q);
+  assign pop        = out_ready_i && (Kept || out_valid_o);
+  assign read       = some_q && room_q;
+
+  function automatic logic [AddrW-1:0] after(logic [AddrW-1:0] place);
+    return (place == Last) ? '0 : place + 1'b1;
+  endfunction
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      head_q   <= '0;
-      tail_q   <= '0;
-      level_q  <= '0;
-      stored_q <= '0;
-      free_q   <= OutLevelW'(OutDepth);
-      full_q   <= 1'b0;
-      some_q   <= 1'b0;
-      read_q   <= 1'b0;
-      read_q2  <= 1'b0;
+      head_q       <= '0;
+      tail_q       <= '0;
+      front_q      <= '0;
+      after_head_q <= after('0);
+      after_tail_q <= after('0);
+      level_q      <= '0;
+      free_q       <= OutLevelW'(OutDepth);
+      full_q       <= 1'b0;
+      some_q       <= 1'b0;
+      room_q       <= 1'b1;
+      read_q       <= 1'b0;
+      read_q2      <= 1'b0;
     end else begin
-      if (push) tail_q <= (tail_q == Last) ? '0 : tail_q + 1'b1;
-      if (read) head_q <= (head_q == Last) ? '0 : head_q + 1'b1;
-      level_q  <= level_q + LevelW'(push) - LevelW'(pop);
-      stored_q <= stored_q + LevelW'(push) - LevelW'(read);
-      free_q   <= free_q + OutLevelW'(pop) - OutLevelW'(read);
-      full_q   <= !pop && (full_q || (push && level_q == LevelW'(Depth - 1)));
-      some_q   <= push || stored_q > LevelW'(1) || (some_q && !read);
-      read_q   <= read;
-      read_q2  <= read_q;
+      if (push) begin
+        tail_q       <= after_tail_q;
+        after_tail_q <= after(after_tail_q);
+      end
+      if (read) begin
+        head_q       <= after_head_q;
+        after_head_q <= after(after_head_q);
+      end
+      if (pop) front_q <= after(front_q);
+      if (push != pop) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
+      if (pop != read) free_q <= pop ? free_q + 1'b1 : free_q - 1'b1;
+      // One place is left: level_q == Depth - 1. One word is left in the RAM.
+      full_q  <= !pop && (full_q || (in_valid_i && after_tail_q == front_q));
+      some_q  <= push || (some_q && !(room_q && after_head_q == tail_q));
+      room_q  <= pop || free_q > OutLevelW'(1) || (room_q && !some_q);
+      read_q  <= read;
+      read_q2 <= read_q;
     end
   end
 
@@ -71,12 +89,15 @@ module slog_ram_fifo #(
 
   logic out_room;
   logic [OutLevelW-1:0] out_level;
-  slog_fifo #(.Width(Width), .Depth(OutDepth)) u_out (
+  slog_fifo #(.Width(Width), .Depth(OutDepth), .Kept(1'b1)) u_out (
       .clk_i, .rst_i, .in_valid_i(read_q2), .in_ready_o(out_room), .in_data_i(ram_data),
-      .out_valid_o, .out_ready_i, .out_data_o, .level_o(out_level));
+      .out_valid_o, .out_ready_i(pop), .out_data_o, .level_o(out_level));
 
   `SLOG_ASSERT(SlogRamFifoOutHasRoom, !read_q2 || out_room)
+  `SLOG_ASSERT(SlogRamFifoKept, !Kept || (!(in_valid_i && full_q) && !(out_ready_i && !out_valid_o)))
   `SLOG_ASSERT(SlogRamFifoPlaces,
                32'(free_q) + 32'(out_level) + 32'(read_q) + 32'(read_q2) == OutDepth)
-  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (stored_q != '0))
+  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth))
+                                 && some_q == (32'(level_q) + 32'(free_q) != OutDepth)
+                                 && room_q == (free_q != '0))
 endmodule : slog_ram_fifo

@@ -1,8 +1,8 @@
 // Largest value of each row of a stream, and its index; of equal values the one with the smaller index.
 //
 // Odd and even samples have a running maximum each, so that a compare may take a clock of its own before the update:
-//   A  inputs: compare bytes with the maximum of the same parity      B  verdict, update
-//   C  compare bytes of the two maxima                                D  verdict, output
+//   A  inputs: compare with the maximum of the same parity      B  update
+//   C  compare the two maxima                                   D  output
 // Latency    : out_valid_o three clocks after in_valid_i with in_last_i.
 // Throughput : one sample per clock, rows back to back, gaps allowed. Rows of one sample have first and last at once.
 // Formats    : values and indices unsigned; indices rise within a row.
@@ -26,17 +26,16 @@ module slog_running_max
 );
   logic odd, odd_q, second_q;          // parity of this sample; of the next one; the next one is the second of its row
   logic [1:0] load_q, try_q, take;     // B: the sample of this parity is the maximum, or is if it is greater
-  partial_t [1:0] against_q;
-  partial_t d_odd_q;
+  logic [1:0] above_q;                 // B: the sample is greater than the maximum of this parity
   logic [ValueW-1:0] b_value_q, max_q[2], d_value_q[2];
   logic [IndexW-1:0] b_index_q, index_q[2], d_index_q[2];
-  logic b_last_q, b_single_q, c_last_q, c_single_q, d_last_q, d_pair_q, odd_wins;
+  logic b_last_q, b_single_q, c_last_q, c_single_q, d_last_q, d_pair_q, d_odd_q, odd_wins;
 
   `SLOG_ASSERT_INIT(SlogRunningMaxWidth, ValueW + IndexW <= 32)
 
   assign odd = odd_q && !in_first_i;
   always_comb begin
-    for (int p = 0; p < 2; p++) take[p] = load_q[p] || (try_q[p] && is_above(against_q[p]));
+    for (int p = 0; p < 2; p++) take[p] = load_q[p] || (try_q[p] && above_q[p]);
   end
 
   always_ff @(posedge clk_i) begin
@@ -48,7 +47,7 @@ module slog_running_max
       d_last_q <= 1'b0;
     end else begin
       // The first sample of each parity has nothing to beat.
-      load_q   <= {in_valid_i && odd && second_q, in_valid_i && in_first_i};
+      load_q   <= {in_valid_i && second_q && !in_first_i, in_valid_i && in_first_i};
       try_q    <= {in_valid_i && odd, in_valid_i && !odd};
       b_last_q <= in_valid_i && in_last_i;
       c_last_q <= b_last_q;
@@ -65,7 +64,7 @@ module slog_running_max
       b_single_q <= in_first_i;
     end
     for (int p = 0; p < 2; p++) begin
-      if (in_valid_i) against_q[p] <= compare(32'(in_value_i), 32'(max_q[p]));
+      if (in_valid_i) above_q[p] <= is_above(32'(in_value_i), 32'(max_q[p]));
       if (take[p]) begin
         max_q[p]   <= b_value_q;
         index_q[p] <= b_index_q;
@@ -76,11 +75,12 @@ module slog_running_max
       d_value_q <= max_q;
       d_index_q <= index_q;
       d_pair_q  <= !c_single_q;
-      d_odd_q   <= compare(32'({max_q[1], ~index_q[1]}), 32'({max_q[0], ~index_q[0]}));
+      // Of equal values the smaller index: the other's stands behind each.
+      d_odd_q   <= is_above(32'({max_q[1], index_q[0]}), 32'({max_q[0], index_q[1]}));
     end
   end
 
-  assign odd_wins    = d_pair_q && is_above(d_odd_q);
+  assign odd_wins    = d_pair_q && d_odd_q;
   assign out_valid_o = d_last_q;
   assign out_value_o = odd_wins ? d_value_q[1] : d_value_q[0];
   assign out_index_o = odd_wins ? d_index_q[1] : d_index_q[0];

@@ -1,10 +1,12 @@
 // One register between two handshakes: cuts the path from a queue's memory to its user.
 //
 // Latency    : a word taken in clock t is offered in clock t+1.
-// Throughput : one word per clock; in_ready_o follows out_ready_i within the clock.
+// Throughput : one word per clock; in_ready_o follows out_ready_i within the clock. With Half, one word in two clocks,
+//              and in_ready_o comes from a register.
 `include "slog_assert.svh"
 module slog_stage #(
-    parameter int unsigned Width = 8
+    parameter int unsigned Width = 8,
+    parameter bit          Half  = 1'b0
 ) (
     input  logic             clk_i,
     input  logic             rst_i,
@@ -15,20 +17,27 @@ module slog_stage #(
     input  logic             out_ready_i,
     output logic [Width-1:0] out_data_o
 );
-  logic valid_q;
+  logic valid_q, valid;
+  logic free_q;  // !valid_q: apart from it, because it enables all of the data
   logic [Width-1:0] data_q;
 
-  assign in_ready_o  = !valid_q || out_ready_i;
+  assign in_ready_o  = !valid_q || (out_ready_i && !Half);
+  assign valid       = in_ready_o ? in_valid_i : valid_q && !out_ready_i;
   assign out_valid_o = valid_q;
   assign out_data_o  = data_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) valid_q <= 1'b0;
-    else if (in_ready_o) valid_q <= in_valid_i;
+    if (rst_i) begin
+      valid_q <= 1'b0;
+      free_q  <= 1'b1;
+    end else begin
+      valid_q <= valid;
+      free_q  <= !valid;
+    end
   end
 
   always_ff @(posedge clk_i) begin
-    if (in_ready_o) data_q <= in_data_i;
+    if (free_q || (out_ready_i && !Half)) data_q <= in_data_i;
   end
 
   `SLOG_ASSERT_STABLE(SlogStageOutStable, out_valid_o, out_ready_i, out_data_o)
