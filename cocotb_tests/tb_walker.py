@@ -7,7 +7,7 @@ import cocotb
 from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles
 from cocotb_tests.env.params import params
 from cocotb_tests.env.stalls import SHAPES, willing
-from golden.cycle_sequencer import WalkerModel
+from golden.cycle_sequencer import WalkerModel, counts
 from golden.structs import ROW, STEP
 
 
@@ -15,10 +15,9 @@ def random_row(rng: random.Random, pitch: int, ring: int) -> int:
     steps = rng.choice((1, 1, 2, 3, rng.randint(1, 16)))
     return ROW.pack({
         "final_row": rng.getrandbits(1), "bank": rng.getrandbits(1), "wide": rng.getrandbits(1),
-        "odd": rng.getrandbits(1), "last_step": steps - 1, "ring_row": rng.randrange(ring),
-        "last_chunk": rng.choice((0, 0, 1, 2, 5)),
-        "last_lanes": rng.randint(1, pitch + 1), "gap_row": rng.choice((0, 0, 1, pitch)),
-        "gap_pass": rng.choice((0, 0, 1, 2, pitch)), "free_to": rng.randrange(2 * ring)})
+        "odd": rng.getrandbits(1), "ring_row": rng.randrange(ring), "last_lanes": rng.randint(1, pitch + 1),
+        "free_to": rng.randrange(2 * ring),
+        **counts(steps, rng.choice((1, 1, 2, 3, 6)), rng.choice((0, 0, 1, pitch)), rng.choice((0, 0, 1, 2, pitch)))})
 
 
 def rows(rng: random.Random, source: str, pitch: int, ring: int, count: int, reset_at: int) -> Stimulus:

@@ -9,24 +9,31 @@ from golden.structs import pack_job, unpack_job
 
 
 class GridModel:
-    """Offers the jobs of one command after another; a count of 0 is taken as 1. Undefined while not valid."""
+    """Offers the jobs of one command after another, with a clock between any two; a count of 0 is taken as 1.
+
+    The job is undefined while not valid.
+    """
 
     INPUTS = ("rst_i", "job_valid_i", "job_i", "count_x_i", "count_y_i", "step_x_i", "step_y_i", "job_ready_i")
     OUTPUTS = ("job_ready_o", "job_valid_o", "job_o")
 
     def __init__(self) -> None:
         self.jobs: deque[Job] = deque()
+        self.between = False
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         jobs = self.jobs
-        out: dict[str, int | None] = {"job_ready_o": int(not jobs), "job_valid_o": int(bool(jobs)),
-                                      "job_o": pack_job(jobs[0]) if jobs else None}
+        valid = bool(jobs) and not self.between
+        out: dict[str, int | None] = {"job_ready_o": int(not jobs), "job_valid_o": int(valid),
+                                      "job_o": pack_job(jobs[0]) if valid else None}
+        self.between = False
         if i["rst_i"]:
             jobs.clear()
         elif jobs:
-            if i["job_ready_i"]:
+            if valid and i["job_ready_i"]:
                 jobs.popleft()
+                self.between = bool(jobs)
         elif i["job_valid_i"]:
             count = max(i["count_x_i"], 1), max(i["count_y_i"], 1)
             jobs.extend(grid(unpack_job(i["job_i"]), count, (i["step_x_i"], i["step_y_i"])))

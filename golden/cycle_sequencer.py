@@ -9,21 +9,27 @@ from golden.correlate import Status
 from golden.structs import CONTEXT, ROW, STEP, TICKET, unpack_job
 
 
+def counts(steps: int, passes: int, gap_row: int, gap_pass: int) -> dict[str, int]:
+    """These counts as fields of a `row_t`: less one or two, in two's complement."""
+    return {"steps": (steps - 2) % 256, "passes": (passes - 2) % 64, "gap_row": (gap_row - 1) % 128,
+            "gap_pass": (gap_pass - 1) % 128}
+
+
 def row_steps(row: dict[str, int], pitch: int, ring_rows: int) -> Iterator[dict[str, int] | None]:
     """What the walker does with a `row_t`, clock by clock: a `step_t`, or None in a gap."""
-    steps = row["last_step"] + 1
-    for chunk in range(row["last_chunk"] + 1):
-        yield from [None] * (row["gap_pass"] if chunk else row["gap_row"])
+    steps, passes = (row["steps"] + 2) % 256, (row["passes"] + 2) % 64
+    for chunk in range(passes):
+        yield from [None] * ((row["gap_pass" if chunk else "gap_row"] + 1) % 128)
         for s in range(steps):
             last = s == steps - 1
             yield {"valid": 1, "first": int(s == 0), "last": int(last), "wide": row["wide"],
                    "row_b": int(bool(row["wide"]) or not (last and row["odd"])), "bank": row["bank"], "tpl_step": s,
                    "ring_row": (row["ring_row"] + (s if row["wide"] else 2 * s)) % ring_rows, "chunk": chunk,
-                   "lanes": row["last_lanes"] if chunk == row["last_chunk"] else pitch}
+                   "lanes": row["last_lanes"] if chunk == passes - 1 else pitch}
 
 
 class WalkerModel:
-    """Holds what is left of the row in work. `step_o` keeps the last step's fields between steps."""
+    """Holds what is left of the row in work. `step_o` is undefined between steps."""
 
     INPUTS = ("rst_i", "row_valid_i", "row_i")
     OUTPUTS = ("row_ready_o", "step_valid_o", "step_o", "rows_freed_o", "bank_free_o", "busy_o", "drained_o")
@@ -37,22 +43,24 @@ class WalkerModel:
         self.left: deque[dict[str, int] | None] = deque()
         self.row: dict[str, int] = {}
         self.valid = self.freed = self.bank_free = 0
+        self.freeing: tuple[int, int] | None = None  # rows_freed_o and bank_free_o of the next clock
         self.drain, self.drained = self.drain_clocks, False
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         ready = len(self.left) <= 1
         out: dict[str, int | None] = {
-            "row_ready_o": int(ready), "step_valid_o": self.valid, "step_o": self.last, "rows_freed_o": self.freed,
-            "bank_free_o": self.bank_free, "busy_o": int(bool(self.left) or bool(self.valid)),
-            "drained_o": int(self.drained)}
+            "row_ready_o": int(ready), "step_valid_o": self.valid, "step_o": self.last if self.valid else None,
+            "rows_freed_o": self.freed, "bank_free_o": self.bank_free,
+            "busy_o": int(bool(self.left) or bool(self.valid)), "drained_o": int(self.drained)}
         active = bool(self.left)
         step = self.left.popleft() if self.left else None
         self.valid = int(step is not None)
         ended = active and not self.left
-        self.bank_free = int(ended and bool(self.row["final_row"]))
-        if ended:
-            self.freed = self.row["free_to"]
+        self.bank_free = 0
+        if self.freeing is not None:
+            self.freed, self.bank_free = self.freeing
+        self.freeing = (self.row["free_to"], self.row["final_row"]) if ended else None
         taken = bool(ready and i["row_valid_i"])
         self.drained = not active and not taken and self.drain == 0
         self.drain = self.drain_clocks if step is not None else max(self.drain - 1, 0)
@@ -132,18 +140,18 @@ class SequencerModel:
             elif self.state == "rows":
                 need = ticket["row"] + self.dy + job.height
                 ahead = (i["rows_written_i"] - need) % (2 * self.ring_rows)
-                if self.granted and self.there and ticket_done(i["tpl_done_i"], ticket["bank"]):
+                if self.dy == job.offsets_y:
+                    self.state = "idle"
+                elif self.granted and self.there:
                     self.token = self._row(ticket)
                     self.granted = False
                     self.dy += 1
-                    if self.dy == job.offsets_y:
-                        self.state = "idle"
                 elif self.row_valid:
                     if i["row_ready_i"]:
                         self.row_valid, self.granted = False, True
                 elif not self.granted and not token_pending:
                     self.row_valid = True
-                self.there = ahead < self.ring_rows
+                self.there = ahead < self.ring_rows and ticket_done(i["tpl_done_i"], ticket["bank"])
         if i["rst_i"]:
             self._reset()
         return out
@@ -163,9 +171,9 @@ class SequencerModel:
         final = self.dy == job.offsets_y - 1
         before = last_lanes if self.dy else self.pitch + 1
         return ROW.pack({
-            "final_row": final, "bank": ticket["bank"], "wide": wide, "odd": job.height % 2, "last_step": steps - 1,
-            "ring_row": top % self.ring_rows, "last_chunk": passes - 1, "last_lanes": last_lanes,
-            "gap_row": max(before - steps, 0), "gap_pass": max(self.pitch - steps, 0),
+            "final_row": final, "bank": ticket["bank"], "wide": wide, "odd": job.height % 2,
+            "ring_row": top % self.ring_rows, "last_lanes": last_lanes,
+            **counts(steps, passes, max(before - steps, 0), max(self.pitch - steps, 0)),
             "free_to": (top + (job.height if final else 1)) % (2 * self.ring_rows)})
 
 

@@ -20,18 +20,18 @@ package slog_fetch_pkg;
     logic [ScoreW-1:0] area;  // width * height
   } ticket_t;
 
-  // One row of offsets, ready to be stepped through.
+  // One row of offsets, ready to be stepped through. What is counted down ends when its sign turns: no comparison.
   typedef struct packed {
     logic       final_row;   // last row of its job
     logic       bank;
     logic       wide;
     logic       odd;         // paired, odd height: group B is empty in the last step
-    logic [6:0] last_step;   // steps of a pass, less one
+    logic [7:0] steps;       // steps of a pass, less two: negative when there is one
     logic [7:0] ring_row;    // ring row of the window's top
-    logic [4:0] last_chunk;  // passes, less one
+    logic [5:0] passes;      // passes, less two: negative when there is one
     logic [5:0] last_lanes;  // offsets of the last pass
-    logic [5:0] gap_row;     // idle clocks before the first pass
-    logic [5:0] gap_pass;    // idle clocks before each other pass
+    logic [6:0] gap_row;     // idle clocks before the first pass, less one: negative when there is none
+    logic [6:0] gap_pass;    // idle clocks before each other pass, likewise
     logic [8:0] free_to;     // ring row counter up to which rows are free once this row is done
   } row_t;
 endpackage : slog_fetch_pkg

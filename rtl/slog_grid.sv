@@ -2,7 +2,7 @@
 //
 // Template and search move together. Jobs leave in raster order, i fastest.
 // Latency    : the first job is offered one clock after the command is taken.
-// Throughput : one job per clock; one clock between commands.
+// Throughput : one job every other clock; one clock between commands.
 // Formats    : a count of 0 is taken as 1. Tags wrap; positions stop at 1023, which is outside every image, so that a grid
 //              that runs off is refused rather than wrapped.
 `include "slog_assert.svh"
@@ -22,62 +22,82 @@ module slog_grid
     input  logic       job_ready_i,
     output job_t       job_o
 );
-  logic valid_q;
+  // One of ready_q (a command is awaited), valid_q (a job is offered) and the clock between two jobs.
+  logic ready_q, valid_q, open_q;           // open_q is !valid_q, a register of its own for all that it drives
+  // The command's job: what does not move, and where its first column lies.
+  /* verilator lint_off UNUSEDSIGNAL */
   job_t job_q;
-  logic [9:0] tpl_x_q, search_x_q;          // of the grid's first column
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [15:0] tag_q;
+  logic [9:0] tpl_x_q, tpl_y_q, search_x_q, search_y_q;
   logic [9:0] step_x_q, step_y_q, count_x_q;
-  logic [9:0] after_x_q, after_y_q;         // jobs after this one in its row, rows after this one
-  logic load, next, row_ends;
+  logic [9:0] left_x_q, left_y_q;           // jobs left in this row, rows left, this one included, but for the last
+  logic last_x_q, last_y_q;                 // this job is its row's last, this row the last
+  // Those of the next job, made while this one is offered; positions may still be past 1023.
+  logic [10:0] tpl_x_q2, tpl_y_q2, search_x_q2, search_y_q2;
+  logic [9:0] left_x_q2, left_y_q2;
+  logic last_x_q2, last_y_q2;
 
-  assign job_ready_o = !valid_q;
-  assign job_valid_o = valid_q;
-  assign job_o       = job_q;
-  assign load        = job_valid_i && !valid_q;
-  assign next        = valid_q && job_ready_i;
-  assign row_ends    = after_x_q == '0;
-
-  function automatic logic [9:0] moved(logic [9:0] position, logic [9:0] step);
-    logic [10:0] sum = 11'(position) + 11'(step);
-    return sum[9:0] | {10{sum[10]}};
-  endfunction
-
-  // Jobs after the first of `count`.
-  function automatic logic [9:0] after_first(logic [9:0] count);
-    return (count == '0) ? '0 : count - 10'd1;
-  endfunction
+  logic taken, done;
+  assign taken = valid_q && job_ready_i;
+  assign done  = taken && last_x_q && last_y_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) valid_q <= 1'b0;
-    else if (load) valid_q <= 1'b1;
-    else if (next && row_ends && after_y_q == '0) valid_q <= 1'b0;
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (load) begin
-      job_q      <= job_i;
-      tpl_x_q    <= job_i.tpl_x;
-      search_x_q <= job_i.search_x;
-      step_x_q   <= step_x_i;
-      step_y_q   <= step_y_i;
-      count_x_q  <= after_first(count_x_i);
-      after_x_q  <= after_first(count_x_i);
-      after_y_q  <= after_first(count_y_i);
-    end else if (next) begin
-      job_q.tag <= job_q.tag + 16'd1;
-      if (row_ends) begin
-        job_q.tpl_x    <= tpl_x_q;
-        job_q.search_x <= search_x_q;
-        job_q.tpl_y    <= moved(job_q.tpl_y, step_y_q);
-        job_q.search_y <= moved(job_q.search_y, step_y_q);
-        after_x_q      <= count_x_q;
-        after_y_q      <= after_y_q - 10'd1;
-      end else begin
-        job_q.tpl_x    <= moved(job_q.tpl_x, step_x_q);
-        job_q.search_x <= moved(job_q.search_x, step_x_q);
-        after_x_q      <= after_x_q - 10'd1;
-      end
+    if (rst_i) begin
+      ready_q <= 1'b1;
+      valid_q <= 1'b0;
+      open_q  <= 1'b1;
+    end else begin
+      ready_q <= done || (ready_q && !job_valid_i);
+      valid_q <= !taken && (!ready_q || job_valid_i);
+      open_q  <= taken || (ready_q && !job_valid_i);
     end
   end
 
+  function automatic logic [9:0] stopped(logic [10:0] position);
+    return position[9:0] | {10{position[10]}};
+  endfunction
+
+  always_ff @(posedge clk_i) begin
+    if (ready_q) begin
+      job_q     <= job_i;
+      step_x_q  <= step_x_i;
+      step_y_q  <= step_y_i;
+      count_x_q <= count_x_i;
+    end
+    if (open_q) begin
+      tag_q      <= ready_q ? job_i.tag : tag_q + 1'b1;
+      tpl_x_q    <= ready_q ? job_i.tpl_x : stopped(tpl_x_q2);
+      tpl_y_q    <= ready_q ? job_i.tpl_y : stopped(tpl_y_q2);
+      search_x_q <= ready_q ? job_i.search_x : stopped(search_x_q2);
+      search_y_q <= ready_q ? job_i.search_y : stopped(search_y_q2);
+      left_x_q   <= ready_q ? count_x_i : left_x_q2;
+      left_y_q   <= ready_q ? count_y_i : left_y_q2;
+      last_x_q   <= ready_q ? count_x_i[9:1] == '0 : last_x_q2;
+      last_y_q   <= ready_q ? count_y_i[9:1] == '0 : last_y_q2;
+    end else begin
+      tpl_x_q2    <= last_x_q ? 11'(job_q.tpl_x) : 11'(tpl_x_q) + 11'(step_x_q);
+      tpl_y_q2    <= last_x_q ? 11'(tpl_y_q) + 11'(step_y_q) : 11'(tpl_y_q);
+      search_x_q2 <= last_x_q ? 11'(job_q.search_x) : 11'(search_x_q) + 11'(step_x_q);
+      search_y_q2 <= last_x_q ? 11'(search_y_q) + 11'(step_y_q) : 11'(search_y_q);
+      left_x_q2   <= last_x_q ? count_x_q : left_x_q - 1'b1;
+      left_y_q2   <= left_y_q - 10'(last_x_q);
+      last_x_q2   <= last_x_q ? count_x_q[9:1] == '0 : left_x_q == 10'd2;
+      last_y_q2   <= last_y_q || (last_x_q && left_y_q == 10'd2);
+    end
+  end
+
+  always_comb begin
+    job_o          = job_q;
+    job_o.tag      = tag_q;
+    job_o.tpl_x    = tpl_x_q;
+    job_o.tpl_y    = tpl_y_q;
+    job_o.search_x = search_x_q;
+    job_o.search_y = search_y_q;
+  end
+  assign job_ready_o = ready_q;
+  assign job_valid_o = valid_q;
+
+  `SLOG_ASSERT(SlogGridState, open_q == !valid_q && !(ready_q && valid_q))
   `SLOG_ASSERT_STABLE(SlogGridOutStable, job_valid_o, job_ready_i, job_o)
 endmodule : slog_grid

@@ -7,8 +7,9 @@
 //   passes  = ceil((offsets_x - 1) / Pitch), at least 1: Pitch offsets each, 1..Pitch+1 in the last
 //   gap     = offsets of the pass before - steps, at least 0: idle clocks, as lanes leave one a clock
 // Latency    : row_ready_i to the first step_o 4 clocks (no gap, operands there, walker idle).
-// Throughput : one step a clock from job to job of equal width, if a row takes 4 clocks or more and grants come at once.
-//              A job of another width waits until the array has drained (DrainClocks), as mask_o is for all lanes alike.
+// Throughput : one step a clock from row to row, if a row takes 4 clocks or more and grants come at once; also from job to
+//              job of equal width, if those at its end take 7. A job of another width waits until the array has drained
+//              (DrainClocks), as mask_o is for all lanes alike.
 // Rules      : contexts, grants and rows are in job order; a grant is asked for when the walker has taken the row before.
 //              mask_o: {group B, group A}, 1 = the bit belongs to the window; static while a step is on its way.
 `include "slog_assert.svh"
@@ -41,37 +42,49 @@ module slog_sequencer
     output logic                   busy_o
 );
   localparam int unsigned PitchW = $clog2(Pitch);
+  localparam int unsigned GroupW = $clog2(GroupBits);
 
-  typedef enum logic [2:0] {Idle, Prepare, Context, Mask, Rows} state_e;
-  state_e state_q;
+  // One-hot.
+  logic idle_q, prepare_q, context_q, masking_q, rows_q;
   // The template's and the search's place no longer matter, and the row counter is as wide as the largest board's.
   /* verilator lint_off UNUSEDSIGNAL */
   ticket_t t_q;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  // Prepare: three stages that settle while state_q is Prepare.
+  // Prepare: three stages that settle while prepare_q is high.
   logic [1:0] prep_q;
-  logic wide_q, single_q, same_width_q;
-  logic [9:0] across_q;              // offsets_x - 2, or 0
-  logic [7:0] steps_q;
+  logic wide, wide_q, single_q, same_width_q, good_q;
+  logic [1:0] tail_q;                // bits of the width below GroupBits' own: any in the upper, the lower half
+  logic [9:0] across_q;              // offsets_x - 2, unless single
+  logic [7:0] steps_q, more_steps_q;
   logic [4:0] last_chunk_q;
-  logic [5:0] last_lanes_q, gap_first_q, gap_pass_q, gap_row_q;
+  logic [5:0] more_passes_q, last_lanes_q;
+  logic [6:0] gap_first_q, gap_pass_q, gap_row_q;
   logic [7:0] mask_width_q;          // width mask_o is made for; 0 = none
-  function automatic logic [5:0] gap(logic [5:0] lanes, logic [7:0] steps);
-    return (8'(lanes) > steps) ? lanes - steps[5:0] : '0;
+  // Less one; negative where there is no gap, whatever the other bits.
+  function automatic logic [6:0] gap(logic [5:0] lanes, logic [7:0] steps);
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic [8:0] less_one = 9'(lanes) + {1'b1, ~steps};
+    /* verilator lint_on UNUSEDSIGNAL */
+    return {less_one[8], less_one[5:0]};
   endfunction
+  assign wide = t_q.job.width[7:GroupW+1] != '0 || (t_q.job.width[GroupW] && tail_q != '0);
   always_ff @(posedge clk_i) begin
-    if (state_q == Prepare) begin
-      wide_q       <= t_q.job.width > 8'(GroupBits);
-      single_q     <= t_q.job.offsets_x == 10'd1;
-      across_q     <= (t_q.job.offsets_x[9:1] == '0) ? '0 : t_q.job.offsets_x - 10'd2;
-      same_width_q <= t_q.job.width == mask_width_q;
-      steps_q      <= wide_q ? t_q.job.height : (t_q.job.height >> 1) + 8'(t_q.job.height[0]);
-      last_chunk_q <= 5'(across_q[9:PitchW]);
-      last_lanes_q <= single_q ? 6'd1 : 6'(across_q[PitchW-1:0]) + 6'd2;
-      gap_first_q  <= gap(6'(Pitch + 1), steps_q);
-      gap_pass_q   <= gap(6'(Pitch), steps_q);
-      gap_row_q    <= gap(last_lanes_q, steps_q);
+    if (prepare_q) begin
+      tail_q        <= {t_q.job.width[GroupW-1:GroupW/2] != '0, t_q.job.width[GroupW/2-1:0] != '0};
+      wide_q        <= wide;
+      single_q      <= t_q.job.offsets_x == 10'd1;
+      across_q      <= t_q.job.offsets_x - 10'd2;
+      same_width_q  <= t_q.job.width == mask_width_q;
+      good_q        <= t_q.status == StatusOk;
+      steps_q       <= wide ? t_q.job.height : (t_q.job.height >> 1) + 8'(t_q.job.height[0]);
+      last_chunk_q  <= single_q ? '0 : 5'(across_q[9:PitchW]);
+      last_lanes_q  <= single_q ? 6'd1 : 6'(across_q[PitchW-1:0]) + 6'd2;
+      more_steps_q  <= steps_q - 8'd2;
+      more_passes_q <= 6'(last_chunk_q) - 6'd1;
+      gap_first_q   <= gap(6'(Pitch + 1), steps_q);
+      gap_pass_q    <= gap(6'(Pitch), steps_q);
+      gap_row_q     <= gap(last_lanes_q, steps_q);
     end
   end
 
@@ -80,16 +93,30 @@ module slog_sequencer
   localparam int unsigned Unit     = 1 << UnitW;
   localparam int unsigned Units    = 2 * GroupBits / Unit;
   localparam int unsigned HalfUnit = GroupBits / Unit;
+  localparam int unsigned CountW   = 8 - UnitW;
+  logic [3:0] past_low_q, in_low_q;     // the window's units, in two parts: more than, just as many as
+  logic [(1<<CountW)/4-1:0] past_high_q, in_high_q;
+  logic [Units-1:0] reached_q, ends_q;  // of a window in one row: reaches past the unit, ends in it
   logic [Units-1:0] full_q, partly_q;
   logic [Unit-1:0] part_q;
   logic [2*GroupBits-1:0] mask_q;
   logic mask_load;
   always_ff @(posedge clk_i) begin
-    if (state_q == Prepare) begin
+    if (prepare_q) begin
+      for (int unsigned n = 0; n < 4; n++) begin
+        past_low_q[n] <= t_q.job.width[UnitW+:2] > 2'(n);
+        in_low_q[n]   <= t_q.job.width[UnitW+:2] == 2'(n);
+      end
+      for (int unsigned n = 0; n < (1 << CountW) / 4; n++) begin
+        past_high_q[n] <= t_q.job.width[7:UnitW+2] > (CountW - 2)'(n);
+        in_high_q[n]   <= t_q.job.width[7:UnitW+2] == (CountW - 2)'(n);
+      end
       for (int unsigned u = 0; u < Units; u++) begin
+        reached_q[u] <= past_high_q[u/4] || (in_high_q[u/4] && past_low_q[u%4]);
+        ends_q[u]    <= in_high_q[u/4] && in_low_q[u%4];
         // In a paired step group B is a row of its own.
-        full_q[u]   <= t_q.job.width[7:UnitW] > (8-UnitW)'((wide_q || u < HalfUnit) ? u : u - HalfUnit);
-        partly_q[u] <= t_q.job.width[7:UnitW] == (8-UnitW)'((wide_q || u < HalfUnit) ? u : u - HalfUnit);
+        full_q[u]    <= (wide_q || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
+        partly_q[u]  <= (wide_q || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
       end
       for (int unsigned b = 0; b < Unit; b++) part_q[b] <= t_q.job.width[UnitW-1:0] > UnitW'(b);
     end
@@ -101,92 +128,81 @@ module slog_sequencer
   end
 
   // Rows.
-  logic [RowW-1:0] top_q, need_q, ahead_q;  // ring rows: window top; rows that must be there; how many more are there
-  logic [9:0] down_q;                       // rows of offsets still to come, less one
-  logic ctx_valid_q, row_valid_q, granted_q, begun_q;
-  logic token_valid_q, token_ready, token;
+  logic [RowW-2:0] top_q;                   // ring row of the window's top
+  logic [RowW-1:0] top_next_q, need_q;      // ring row counters: of the row below that; rows that must be there
+  logic [10:0] down_q, down_next;           // rows of offsets after the next one, less one: negative when there is none
+  logic final_q;                            // the next row is the last
+  logic [RowW-1:0] ahead;                   // ring rows there beyond those that must be: negative when some are missing
+  logic there_q;                            // the next row's operands are loaded
+  logic row_valid_q, granted_q, begun_q;
+  logic token_valid_q, token_ready, token, took_q, done_q;
   row_t token_q;
   logic drained, walking;
-  assign mask_load = state_q == Mask && !same_width_q && drained && !token_valid_q;
-  assign token     = granted_q && !ahead_q[RowW-1] && tpl_done_i[t_q.bank];
+  assign mask_load = masking_q && !same_width_q && drained && !token_valid_q;
+  assign token     = granted_q && there_q;
+  assign down_next = down_q - 1'b1;
+  assign ahead     = rows_written_i - need_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      state_q       <= Idle;
+      idle_q        <= 1'b1;
+      prepare_q     <= 1'b0;
+      context_q     <= 1'b0;
+      masking_q     <= 1'b0;
+      rows_q        <= 1'b0;
       prep_q        <= '0;
-      ctx_valid_q   <= 1'b0;
+      mask_width_q  <= '0;
       row_valid_q   <= 1'b0;
       granted_q     <= 1'b0;
+      took_q        <= 1'b0;
+      done_q        <= 1'b0;
       token_valid_q <= 1'b0;
-      mask_width_q  <= '0;
     end else begin
-      if (token_ready) token_valid_q <= 1'b0;
-      unique case (state_q)
-        Idle: begin
-          prep_q <= '0;
-          if (ticket_valid_i) state_q <= Prepare;
-        end
-        Prepare: begin
-          prep_q <= prep_q + 1'b1;
-          if (prep_q == 2'd2) begin
-            state_q     <= Context;
-            ctx_valid_q <= 1'b1;
-          end
-        end
-        Context:
-        if (ctx_ready_i) begin
-          ctx_valid_q <= 1'b0;
-          state_q     <= (t_q.status == StatusOk) ? Mask : Idle;
-        end
-        Mask:
-        if (same_width_q || mask_load) begin
-          mask_width_q <= t_q.job.width;
-          state_q      <= Rows;
-        end
-        Rows: begin
-          if (!row_valid_q && !granted_q && !token_valid_q) row_valid_q <= 1'b1;
-          if (row_valid_q && row_ready_i) begin
-            row_valid_q <= 1'b0;
-            granted_q   <= 1'b1;
-          end
-          if (token) begin
-            granted_q     <= 1'b0;
-            token_valid_q <= 1'b1;
-            if (down_q == '0) state_q <= Idle;
-          end
-        end
-        default: state_q <= Idle;
-      endcase
+      idle_q        <= (idle_q && !ticket_valid_i) || (context_q && ctx_ready_i && !good_q) || done_q;
+      prepare_q     <= (idle_q && ticket_valid_i) || (prepare_q && !prep_q[1]);
+      context_q     <= (prepare_q && prep_q[1]) || (context_q && !ctx_ready_i);
+      masking_q     <= (context_q && ctx_ready_i && good_q) || (masking_q && !same_width_q && !mask_load);
+      rows_q        <= (masking_q && (same_width_q || mask_load)) || (rows_q && !done_q);
+      prep_q        <= {prep_q[0], prepare_q && prep_q == '0};
+      if (masking_q) mask_width_q <= t_q.job.width;
+      row_valid_q   <= row_valid_q ? !row_ready_i : rows_q && !granted_q && !token_valid_q;
+      granted_q     <= (row_valid_q && row_ready_i) || (granted_q && !token);
+      took_q        <= token;
+      done_q        <= token && final_q;
+      token_valid_q <= token || (token_valid_q && !token_ready);
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (state_q == Idle) t_q <= ticket_i;
-    if (state_q == Prepare) begin
-      top_q   <= t_q.row[RowW-1:0];
-      need_q  <= t_q.row[RowW-1:0] + RowW'(t_q.job.height);
-      down_q  <= t_q.job.offsets_y - 1'b1;
-      begun_q <= 1'b0;
-    end else if (token) begin
-      top_q   <= top_q + 1'b1;
-      need_q  <= need_q + 1'b1;
-      down_q  <= down_q - 1'b1;
-      begun_q <= 1'b1;
+    if (idle_q) t_q <= ticket_i;
+    if (prep_q[0]) begin
+      top_q      <= t_q.row[RowW-2:0];
+      top_next_q <= t_q.row[RowW-1:0] + 1'b1;
+      need_q     <= t_q.row[RowW-1:0] + RowW'(t_q.job.height);
+      down_q     <= 11'(t_q.job.offsets_y) - 11'd2;
+      begun_q    <= 1'b0;
+    end else if (took_q) begin
+      top_q      <= top_next_q[RowW-2:0];
+      top_next_q <= top_next_q + 1'b1;
+      need_q     <= need_q + 1'b1;
+      down_q     <= down_next;
+      begun_q    <= 1'b1;
     end
-    if (state_q == Rows) ahead_q <= rows_written_i - need_q;
-    if (token) begin
+    if (prep_q[1] || took_q) final_q <= took_q ? down_next[10] : down_q[10];
+    if (rows_q) there_q <= !ahead[RowW-1] && tpl_done_i[t_q.bank];
+    if (granted_q) begin
       token_q <= '{
-          final_row: down_q == '0,
+          final_row: final_q,
           bank: t_q.bank,
           wide: wide_q,
           odd: t_q.job.height[0],
-          last_step: 7'(steps_q - 1'b1),
-          ring_row: 8'(top_q[RowW-2:0]),
-          last_chunk: last_chunk_q,
+          steps: more_steps_q,
+          ring_row: 8'(top_q),
+          passes: more_passes_q,
           last_lanes: last_lanes_q,
           gap_row: begun_q ? gap_row_q : gap_first_q,
           gap_pass: gap_pass_q,
-          free_to: (down_q == '0) ? 9'(need_q) : 9'(RowW'(top_q + 1'b1))
+          free_to: final_q ? 9'(need_q) : 9'(top_next_q)
       };
     end
   end
@@ -208,8 +224,8 @@ module slog_sequencer
       .drained_o  (drained)
   );
 
-  assign ticket_ready_o = state_q == Idle;
-  assign ctx_valid_o    = ctx_valid_q;
+  assign ticket_ready_o = idle_q;
+  assign ctx_valid_o    = context_q;
   assign ctx_o          = '{
           tag: t_q.job.tag,
           surface: t_q.job.surface,
@@ -221,8 +237,9 @@ module slog_sequencer
   assign row_valid_o    = row_valid_q;
   assign row_offsets_o  = t_q.job.offsets_x;
   assign mask_o         = mask_q;
-  assign busy_o         = state_q != Idle || token_valid_q || walking;
+  assign busy_o         = !idle_q || token_valid_q || walking;
 
+  `SLOG_ASSERT(SlogSequencerState, $onehot({idle_q, prepare_q, context_q, masking_q, rows_q}))
   `SLOG_ASSERT_INIT(SlogSequencerPitch, Pitch == 2 ** PitchW && Pitch <= 32)
   `SLOG_ASSERT_STABLE(SlogSequencerCtxStable, ctx_valid_o, ctx_ready_i, ctx_o)
   `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, row_offsets_o)

@@ -2,10 +2,10 @@
 //
 //   pass c scores offsets c*Pitch .. c*Pitch + lanes - 1; step s reads ring rows ring_row + 2s, + 2s + 1 (paired) or + s (wide)
 //
-// Latency    : row_valid_i && row_ready_o to the first step_o 2 clocks plus gap_row.
+// Latency    : row_valid_i && row_ready_o to the first step_o 2 clocks plus gap_row; rows_freed_o one clock after the step.
 // Throughput : a step a clock; from row to row no clock is lost when the next row is offered in time. Gaps before passes
 //              (gap_row, gap_pass) keep the ends of two passes at least as many clocks apart as the earlier one has offsets.
-// Rules      : a row's ring rows, and after the job's last row its template bank, are free with its last step.
+// Rules      : a row's ring rows, and after the job's last row its template bank, are free after its last step.
 //              drained_o: nothing to do, and no valid step for at least DrainClocks clocks.
 `include "slog_assert.svh"
 module slog_walker
@@ -28,114 +28,147 @@ module slog_walker
     output logic            drained_o
 );
   localparam int unsigned RingW  = RowW - 1;
-  localparam int unsigned DrainW = $clog2(DrainClocks + 2);
+  localparam int unsigned DrainW = $clog2(DrainClocks) + 1;
 
   // The row counter is as wide as the largest board's.
   /* verilator lint_off UNUSEDSIGNAL */
   row_t row_q;
   /* verilator lint_on UNUSEDSIGNAL */
   logic active_q;
-  logic wait_q;             // gap_q is not yet zero
-  logic [5:0] gap_q;
-  logic first_q, last_q;    // the next step is the first, the last of its pass
-  logic last_pass_q;
-  logic [6:0] step_q, left_q;
-  logic [4:0] chunk_q;
+  // For each flag a second register, its opposite, low without a row, for the counters: they, too, then stand as at the
+  // end of a row.
+  logic stepping_q, waiting_q;  // not in a gap
+  logic last_q, more_q;         // the next step is the last of its pass
+  logic last_pass_q, again_q;   // this pass is the last of its row
+  logic first_q;                // the next step is the first of its pass
+  logic paired_q;               // !row_q.wide
+  logic [6:0] gap_q, gap_next;
+  logic [7:0] steps_q, steps_next;
+  logic [5:0] passes_q, passes_next;
+  logic [6:0] step_q;
   logic [RingW-1:0] ring_q;
-  logic go, pass_end, row_end, take;
+  logic go, pass_end, row_end, stepping, last, last_pass, waiting, more, again;
 
-  assign go          = active_q && !wait_q;
-  assign pass_end    = go && last_q;
-  assign row_end     = pass_end && last_pass_q;
-  assign row_ready_o = !active_q || row_end;
-  assign take        = row_valid_i && row_ready_o;
+  assign go          = active_q && !waiting_q;
+  assign pass_end    = stepping_q && last_q;
+  assign row_end     = active_q && pass_end && last_pass_q;
+  assign row_ready_o = !active_q || (pass_end && last_pass_q);
+  assign gap_next    = gap_q - 1'b1;
+  assign steps_next  = steps_q - 1'b1;
+  assign passes_next = passes_q - 1'b1;
 
-  always_ff @(posedge clk_i) begin
-    if (rst_i) active_q <= 1'b0;
-    else active_q <= take || (active_q && !row_end);
-  end
-
-  // The last step's flag is made one step ahead.
-  always_ff @(posedge clk_i) begin
-    if (take) begin
-      row_q       <= row_i;
-      chunk_q     <= '0;
-      last_pass_q <= row_i.last_chunk == '0;
-      gap_q       <= row_i.gap_row;
-      wait_q      <= row_i.gap_row != '0;
-      step_q      <= '0;
-      left_q      <= row_i.last_step;
-      first_q     <= 1'b1;
-      last_q      <= row_i.last_step == '0;
-      ring_q      <= row_i.ring_row[RingW-1:0];
-    end else if (pass_end) begin
-      chunk_q     <= chunk_q + 1'b1;
-      last_pass_q <= chunk_q + 1'b1 == row_q.last_chunk;
-      gap_q       <= row_q.gap_pass;
-      wait_q      <= row_q.gap_pass != '0;
-      step_q      <= '0;
-      left_q      <= row_q.last_step;
-      first_q     <= 1'b1;
-      last_q      <= row_q.last_step == '0;
-      ring_q      <= row_q.ring_row[RingW-1:0];
-    end else if (go) begin
-      step_q  <= step_q + 1'b1;
-      left_q  <= left_q - 1'b1;
-      first_q <= 1'b0;
-      last_q  <= left_q == 7'd1;
-      ring_q  <= ring_q + (row_q.wide ? RingW'(1) : RingW'(2));
-    end else if (active_q) begin
-      gap_q  <= gap_q - 1'b1;
-      wait_q <= gap_q != 6'd1;
+  // Each flag is the sign that its counter takes. While there is no row, whatever is offered is loaded.
+  always_comb begin
+    stepping  = stepping_q || gap_next[6];
+    last      = stepping_q ? steps_next[7] : last_q;
+    last_pass = last_pass_q;
+    if (pass_end) begin
+      stepping  = row_q.gap_pass[6];
+      last      = row_q.steps[7];
+      last_pass = passes_next[5];
     end
+    waiting = !stepping;
+    more    = !last;
+    again   = !last_pass;
+    if (row_ready_o) begin
+      stepping  = row_i.gap_row[6];
+      last      = row_i.steps[7];
+      last_pass = row_i.passes[5];
+      waiting   = row_valid_i && !row_i.gap_row[6];
+      more      = row_valid_i && !row_i.steps[7];
+      again     = row_valid_i && !row_i.passes[5];
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    stepping_q  <= stepping;
+    last_q      <= last;
+    last_pass_q <= last_pass;
+    if (rst_i) begin
+      active_q  <= 1'b0;
+      waiting_q <= 1'b0;
+      more_q    <= 1'b0;
+      again_q   <= 1'b0;
+    end else begin
+      active_q  <= row_valid_i || !row_ready_o;
+      waiting_q <= waiting;
+      more_q    <= more;
+      again_q   <= again;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (!waiting_q && !more_q && !again_q) begin
+      row_q    <= row_i;
+      paired_q <= !row_i.wide;
+    end
+    if (!waiting_q && (!active_q || last_q)) passes_q <= again_q ? passes_next : row_i.passes;
+    if (!more_q) begin
+      first_q <= 1'b1;
+      step_q  <= '0;
+    end else if (!waiting_q) begin
+      first_q <= 1'b0;
+      step_q  <= step_q + 1'b1;
+    end
+    if (!waiting_q) begin
+      steps_q <= more_q ? steps_next : again_q ? row_q.steps : row_i.steps;
+      ring_q  <= more_q ? ring_q + RingW'({paired_q, row_q.wide}) :
+                 again_q ? row_q.ring_row[RingW-1:0] : row_i.ring_row[RingW-1:0];
+    end
+    gap_q <= waiting_q ? gap_next : again_q ? row_q.gap_pass : row_i.gap_row;
   end
 
   step_t step_out_q;
-  logic valid_q, bank_free_q;
-  logic [RowW-1:0] freed_q;
-  logic [DrainW-1:0] drain_q;
-  logic drained_q;
+  logic valid_q, passed_q, next_q, ended_q, final_q, bank_free_q, drained_q;
+  logic [4:0] chunk_q;
+  logic [RowW-1:0] free_to_q, freed_q;
+  logic [DrainW-1:0] drain_q;  // clocks before drained_o, less two: negative when there are none
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       valid_q     <= 1'b0;
+      ended_q     <= 1'b0;
       bank_free_q <= 1'b0;
       freed_q     <= '0;
-      drain_q     <= DrainW'(DrainClocks);
+      drain_q     <= DrainW'(DrainClocks - 1);
       drained_q   <= 1'b0;
     end else begin
       valid_q     <= go;
-      bank_free_q <= row_end && row_q.final_row;
-      if (row_end) freed_q <= row_q.free_to[RowW-1:0];
-      if (go) drain_q <= DrainW'(DrainClocks);
-      else if (drain_q != '0) drain_q <= drain_q - 1'b1;
-      drained_q <= !active_q && !take && drain_q == '0;
+      ended_q     <= row_end;
+      bank_free_q <= ended_q && final_q;
+      if (ended_q) freed_q <= free_to_q;
+      if (valid_q) drain_q <= DrainW'(DrainClocks - 2);
+      else if (!drain_q[DrainW-1]) drain_q <= drain_q - 1'b1;
+      drained_q <= !active_q && !row_valid_i && !valid_q && drain_q[DrainW-1];
     end
   end
   always_ff @(posedge clk_i) begin
-    if (go) begin
-      step_out_q <= '{
-          valid: 1'b1,
-          first: first_q,
-          last: last_q,
-          wide: row_q.wide,
-          row_b: row_q.wide || !(last_q && row_q.odd),
-          bank: row_q.bank,
-          tpl_step: step_q,
-          ring_row: 8'(ring_q),
-          chunk: chunk_q,
-          lanes: last_pass_q ? row_q.last_lanes : 6'(Pitch)
-      };
-    end
+    passed_q   <= pass_end || !active_q;
+    next_q     <= again_q;
+    if (passed_q) chunk_q <= next_q ? chunk_q + 1'b1 : '0;
+    free_to_q  <= row_q.free_to[RowW-1:0];
+    final_q    <= row_q.final_row;
+    step_out_q <= '{
+        valid: 1'b1,
+        first: first_q,
+        last: !more_q,
+        wide: row_q.wide,
+        row_b: row_q.wide || more_q || !row_q.odd,
+        bank: row_q.bank,
+        tpl_step: step_q,
+        ring_row: 8'(ring_q),
+        chunk: '0,
+        lanes: again_q ? 6'(Pitch) : row_q.last_lanes
+    };
   end
 
   always_comb begin
     step_o       = step_out_q;
     step_o.valid = valid_q;
+    step_o.chunk = chunk_q;
   end
   assign rows_freed_o = freed_q;
   assign bank_free_o  = bank_free_q;
   assign busy_o       = active_q || valid_q;
   assign drained_o    = drained_q;
 
+  `SLOG_ASSERT(SlogWalkerCopies, {waiting_q, more_q, again_q} == ({3{active_q}} & ~{stepping_q, last_q, last_pass_q}))
   `SLOG_ASSERT_INIT(SlogWalkerPitch, Pitch <= 62)
 endmodule : slog_walker
