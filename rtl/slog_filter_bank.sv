@@ -48,8 +48,9 @@ module slog_filter_bank #(
   logic pending_q, busy_q, apply_q, size_good_q, size_error_q, size_changed_q;
   logic [Coefs-1:0] follow_q;
   logic follow_on_q;  // follow_q is not 0, nor will it be in the next clock
-  logic apply;
+  logic apply, size_new;
 
+  assign size_new = apply_q && (width_q != new_width_q || height_q != new_height_q);
   assign apply = ready_q && active_i == '0;
 
   always_ff @(posedge clk_i) begin
@@ -112,7 +113,7 @@ module slog_filter_bank #(
       pending_q      <= commit_i || (pending_q && !apply);
       busy_q         <= commit_i || pending_q || apply_q || follow_on_q;
       follow_on_q    <= apply_q || follow_q[Coefs-3:0] != '0;
-      size_changed_q <= apply_q && size_good_q && (width_q != new_width_q || height_q != new_height_q);
+      size_changed_q <= size_good_q && size_new;
       if (apply_q) size_error_q <= !size_good_q;
       if (apply_q && size_good_q) begin
         width_q  <= new_width_q;
