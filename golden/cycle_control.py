@@ -33,13 +33,15 @@ class FilterBankModel:
         self.staged = {0: list(zeros), 1: list(zeros)}
         self.active = {0: list(zeros), 1: list(zeros)}
         self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
+        self.coming: tuple[int, int, int] | None = None  # coefficient to be staged: kernel, index, value
+        self.taking: tuple[int, int] | None = None  # size to be put in use
         self.follow: list[bool] = [False] * self.config.coefs  # [k]: coefficient k becomes active now
         self.size = (self.config.max_width, self.config.max_height)
 
     @property
     def busy(self) -> int:
         """A commit waits, or its coefficients follow."""
-        return int(self.pending or any(self.follow))
+        return int(self.pending or self.taking is not None or any(self.follow))
 
     def coefs(self, second: int) -> int:
         """The packed active coefficients."""
@@ -49,23 +51,24 @@ class FilterBankModel:
              active: int) -> None:
         """Take the clock edge."""
         c = self.config
-        apply = bool(self.pending and self.settle == SETTLE and not active)
+        taking = self.taking is not None
+        apply = bool(self.pending and self.settle == SETTLE and not active and not taking)
         self.changed = 0
+        if self.taking is not None:
+            good = c.min_image <= self.taking[0] <= c.max_width and c.min_image <= self.taking[1] <= c.max_height
+            self.error = int(not good)
+            if good:
+                self.changed, self.size = int(self.taking != self.size), self.taking
+        self.taking = size if apply else None
         for k, now in enumerate(self.follow):
             for kernel in (0, 1) if now else ():
                 self.active[kernel][k] = self.staged[kernel][k]
-        self.follow = [apply, *self.follow[:-1]]
-        if coef and index < c.coefs:
-            self.staged[second][index] = value
+        self.follow = [taking, *self.follow[:-1]]
+        if self.coming is not None:
+            self.staged[self.coming[0]][self.coming[1]] = self.coming[2]
+        self.coming = (second, index, value) if coef and index < c.coefs else None
         self.settle = 0 if not self.pending or active else min(self.settle + 1, SETTLE)
-        if apply:
-            self.pending = int(commit)
-            good = c.min_image <= size[0] <= c.max_width and c.min_image <= size[1] <= c.max_height
-            self.error = int(not good)
-            if good:
-                self.changed, self.size = int(size != self.size), size
-        elif commit:
-            self.pending = 1
+        self.pending = int(commit or (self.pending and not apply))
 
 
 class PeekModel:

@@ -200,7 +200,7 @@ class VideoInModel:
 
 
 class PackerModel:
-    """Bits into words; the flags one clock behind the pixel they come with."""
+    """Bits into words; the flags one clock behind the pixel they come with. Between words the data are anything."""
 
     INPUTS = ("rst_i", "bit_valid_i", "bit_i", "bit_last_i", "bit_start_i", "bit_done_i", "bit_abort_i")
     OUTPUTS = ("word_valid_o", "word_data_o", "word_last_o", "frame_start_o", "frame_done_o", "frame_abort_o")
@@ -215,6 +215,7 @@ class PackerModel:
         out = dict(self.out)
         valid = i["bit_valid_i"]
         word = 0
+        self.out["word_data_o"] = self.out["word_last_o"] = None
         if valid:
             self.bits.append(i["bit_i"])
             if i["bit_last_i"] or len(self.bits) == self.group_bits:

@@ -4,8 +4,8 @@
 // active ones and frames flow again. A staged size outside MinImage..MaxWidth x MaxHeight is not taken (size_error_o).
 // After reset all coefficients are 0 and the size is the largest.
 //
-// Latency    : commit to change is Settle + 2 clocks with idle cameras; coefficient k follows k + 1 clocks later, so that
-//              one enable need not reach them all, and busy_o falls after the last.
+// Latency    : commit to change is Settle + 3 clocks with idle cameras; coefficient k follows k + 1 clocks later, so that
+//              one enable need not reach them all, and busy_o falls with the last. A coefficient is staged in 2 clocks.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
 `include "slog_assert.svh"
 module slog_filter_bank #(
@@ -37,27 +37,42 @@ module slog_filter_bank #(
 );
   // A frame let in just before the hold needs a few clocks to show as active.
   localparam int unsigned Settle = 8;
-  localparam int unsigned SettleW = $clog2(Settle + 1);
 
   logic [Coefs-1:0][CoefBits-1:0] staged_g_q, staged_g2_q, g_q, g2_q;
-  logic [SettleW-1:0] settle_q;
-  logic [9:0] width_q, height_q;
-  logic busy_q, size_error_q, size_changed_q;
+  logic [Coefs-1:0] index_q;  // the coefficient that coef_q is for
+  logic stage_g_q, stage_g2_q;
+  logic [CoefBits-1:0] coef_q;
+  logic [Settle-2:0] quiet_q;  // [k]: no camera was active in the last k + 1 clocks of a commit
+  logic ready_q;               // nor in Settle clocks
+  logic [9:0] width_q, height_q, new_width_q, new_height_q;
+  logic pending_q, busy_q, apply_q, size_good_q, size_error_q, size_changed_q;
   logic [Coefs-1:0] follow_q;
-  logic apply, size_good;
+  logic follow_on_q;  // follow_q is not 0, nor will it be in the next clock
+  logic apply, size_new;
 
-  assign apply = busy_q && settle_q == SettleW'(Settle) && active_i == '0;
-  assign size_good = width_i >= 10'(MinImage) && width_i <= 10'(MaxWidth) &&
-                     height_i >= 10'(MinImage) && height_i <= 10'(MaxHeight);
+  assign size_new = apply_q && (width_q != new_width_q || height_q != new_height_q);
+  assign apply = ready_q && active_i == '0;
+
+  always_ff @(posedge clk_i) begin
+    coef_q <= coef_value_i;
+    for (int unsigned k = 0; k < Coefs; k++) index_q[k] <= coef_index_i == 5'(k);
+    if (rst_i) begin
+      stage_g_q  <= 1'b0;
+      stage_g2_q <= 1'b0;
+    end else begin
+      stage_g_q  <= coef_valid_i && !coef_second_i;
+      stage_g2_q <= coef_valid_i && coef_second_i;
+    end
+  end
 
   for (genvar k = 0; k < Coefs; k++) begin : g_coef
     always_ff @(posedge clk_i) begin
       if (rst_i) begin
         staged_g_q[k]  <= '0;
         staged_g2_q[k] <= '0;
-      end else if (coef_valid_i && coef_index_i == 5'(k)) begin
-        if (coef_second_i) staged_g2_q[k] <= coef_value_i;
-        else staged_g_q[k] <= coef_value_i;
+      end else begin
+        if (stage_g_q && index_q[k]) staged_g_q[k] <= coef_q;
+        if (stage_g2_q && index_q[k]) staged_g2_q[k] <= coef_q;
       end
       if (rst_i) begin
         g_q[k]  <= '0;
@@ -69,36 +84,46 @@ module slog_filter_bank #(
     end
   end
 
+  // The staged size, as it was in the clock of apply, and whether it may be taken.
+  always_ff @(posedge clk_i) begin
+    new_width_q  <= width_i;
+    new_height_q <= height_i;
+    size_good_q  <= width_i >= 10'(MinImage) && width_i <= 10'(MaxWidth) &&
+                    height_i >= 10'(MinImage) && height_i <= 10'(MaxHeight);
+  end
+
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      settle_q       <= '0;
+      quiet_q        <= '0;
+      ready_q        <= 1'b0;
       follow_q       <= '0;
       width_q        <= 10'(MaxWidth);
       height_q       <= 10'(MaxHeight);
+      pending_q      <= 1'b0;
+      follow_on_q    <= 1'b0;
       busy_q         <= 1'b0;
+      apply_q        <= 1'b0;
       size_error_q   <= 1'b0;
       size_changed_q <= 1'b0;
     end else begin
-      size_changed_q <= 1'b0;
-      follow_q       <= {follow_q[Coefs-2:0], apply};
-      if (!busy_q || active_i != '0) settle_q <= '0;
-      else if (settle_q != SettleW'(Settle)) settle_q <= settle_q + 1'b1;
-      if (apply) begin
-        busy_q       <= commit_i;
-        size_error_q <= !size_good;
-        if (size_good) begin
-          width_q        <= width_i;
-          height_q       <= height_i;
-          size_changed_q <= width_q != width_i || height_q != height_i;
-        end
-      end else if (commit_i) begin
-        busy_q <= 1'b1;
+      follow_q       <= {follow_q[Coefs-2:0], apply_q};
+      quiet_q        <= (pending_q && active_i == '0) ? {quiet_q[Settle-3:0], 1'b1} : '0;
+      ready_q        <= pending_q && active_i == '0 && quiet_q[Settle-2] && !ready_q;
+      apply_q        <= apply;
+      pending_q      <= commit_i || (pending_q && !apply);
+      busy_q         <= commit_i || pending_q || apply_q || follow_on_q;
+      follow_on_q    <= apply_q || follow_q[Coefs-3:0] != '0;
+      size_changed_q <= size_good_q && size_new;
+      if (apply_q) size_error_q <= !size_good_q;
+      if (apply_q && size_good_q) begin
+        width_q  <= new_width_q;
+        height_q <= new_height_q;
       end
     end
   end
 
-  assign hold_o         = busy_o;
-  assign busy_o         = busy_q || follow_q != '0;
+  assign hold_o         = busy_q;
+  assign busy_o         = busy_q;
   assign size_error_o   = size_error_q;
   assign size_changed_o = size_changed_q;
   assign width_o        = width_q;
@@ -106,5 +131,6 @@ module slog_filter_bank #(
   assign g_o            = g_q;
   assign g2_o           = g2_q;
 
-  `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i) == '0)
+  `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i, 2) == '0 && busy_o)
+  `SLOG_ASSERT(SlogFilterBankBusy, busy_o == (pending_q || apply_q || follow_q != '0))
 endmodule : slog_filter_bank

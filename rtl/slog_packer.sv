@@ -1,14 +1,14 @@
 // Packs the sign bits of each row into words for the bit-plane store.
 //
-// Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros.
+// Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
+// word_last_o count only with word_valid_o.
 //
 // Latency    : 1 clock from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 1 clock behind
 //              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; the sink takes every word.
 `include "slog_assert.svh"
 module slog_packer #(
-    parameter  int unsigned GroupBits = 8,
-    localparam int unsigned CountW    = $clog2(GroupBits)
+    parameter int unsigned GroupBits = 8
 ) (
     input  logic                 clk_i,
     input  logic                 rst_i,
@@ -25,36 +25,31 @@ module slog_packer #(
     output logic                 frame_done_o,
     output logic                 frame_abort_o
 );
-  logic [GroupBits-1:0] part_q, word_q, word;
-  logic [CountW-1:0]    count_q;
+  logic [GroupBits-1:0] word_q;   // the word so far
+  logic [GroupBits-1:0] place_q;  // one-hot: where the next pixel goes; not used for a word's first
+  logic                 fresh_q;  // the next pixel is a word's first
   logic                 valid_q, last_q, start_q, done_q, abort_q;
   logic                 full;
 
-  assign full = bit_last_i || count_q == CountW'(GroupBits - 1);
-
-  always_comb begin
-    word          = part_q;
-    word[count_q] = bit_i;
-  end
+  assign full = bit_last_i || (place_q[GroupBits-1] && !fresh_q);
 
   always_ff @(posedge clk_i) begin
-    if (bit_valid_i && full) begin
-      word_q <= word;
-      last_q <= bit_last_i;
-    end
-    if (rst_i || bit_abort_i) begin
-      part_q  <= '0;
-      count_q <= '0;
+    last_q <= bit_last_i;
+    if (fresh_q) begin
+      word_q  <= GroupBits'(bit_i);
+      place_q <= GroupBits'(2);
     end else if (bit_valid_i) begin
-      part_q  <= full ? '0 : word;
-      count_q <= full ? '0 : count_q + 1'b1;
+      place_q <= place_q << 1;
+      for (int unsigned b = 0; b < GroupBits; b++) if (place_q[b]) word_q[b] <= bit_i;
     end
     if (rst_i) begin
+      fresh_q <= 1'b1;
       valid_q <= 1'b0;
       start_q <= 1'b0;
       done_q  <= 1'b0;
       abort_q <= 1'b0;
     end else begin
+      fresh_q <= bit_abort_i || (bit_valid_i ? full : fresh_q);
       valid_q <= bit_valid_i && full;
       start_q <= bit_start_i;
       done_q  <= bit_done_i;

@@ -29,15 +29,13 @@ module slog_store_slice #(
   logic [Width-1:0] chosen;
 
   always_ff @(posedge clk_i) begin
-    wr_en_q  <= wr_en_i;
-    rd_en_q  <= rd_en_i;
-    rd_en_q2 <= rd_en_q;
-    rd_en_q3 <= rd_en_q2;
-    if (wr_en_i != '0) begin
-      wr_addr_q <= wr_addr_i;
-      wr_data_q <= wr_data_i;
-    end
-    if (rd_en_i != '0) rd_addr_q <= rd_addr_i;
+    wr_en_q   <= wr_en_i;
+    wr_addr_q <= wr_addr_i;
+    wr_data_q <= wr_data_i;
+    rd_en_q   <= rd_en_i;
+    rd_addr_q <= rd_addr_i;
+    rd_en_q2  <= rd_en_q;
+    rd_en_q3  <= rd_en_q2;
     if (rd_en_q3 != '0) data_q <= chosen;
   end
 
