@@ -8,7 +8,7 @@ import cocotb
 from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles
 from cocotb_tests.env.stalls import SHAPES, willing
 from golden.correlate import Job, Status
-from golden.cycle_fetch import FetchModel
+from golden.cycle_fetch import PAUSE, FetchModel
 from golden.cycle_store import STORE_LATENCY
 from golden.job_mix import mixed
 from golden.params import TINY
@@ -129,11 +129,11 @@ async def latency(dut) -> None:
 
     await check_cycles(dut, FetchModel(TINY), script(), note)
     align = 3
-    read = 13
+    read = 16
     # Template: two rows of two words, one aligned word each; search: three rows of 9 bits across two words.
-    assert at == {"ticket_valid_o": 12, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
+    assert at == {"ticket_valid_o": 14, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
                   "tpl_done_o": read + 2 + STORE_LATENCY + align + 1,
-                  "rows_written_o": read + 4 + 1 + STORE_LATENCY + align + 1}
+                  "rows_written_o": read + 4 + PAUSE + 1 + STORE_LATENCY + align + 1}
 
 
 @cocotb.test()

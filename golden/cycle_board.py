@@ -12,9 +12,9 @@ from golden.cycle_capture import CaptureModel
 from golden.cycle_control import ControlModel
 from golden.cycle_correlator import CorrelatorModel
 from golden.cycle_csr import CsrModel, FieldPlace
-from golden.cycle_fifo import FifoModel
 from golden.cycle_frontend import FrontendModel
 from golden.cycle_grid import GridModel
+from golden.cycle_ram_fifo import RamFifoModel
 from golden.cycle_store import StoreModel
 from golden.params import PIXEL_BITS, Config
 
@@ -45,7 +45,7 @@ class BoardModel:
         self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)
         self.store = StoreModel(c.store_words)
         self.grid = GridModel()
-        self.jobs = FifoModel(c.job_depth)
+        self.jobs = RamFifoModel(c.job_depth)
         self.correlator = CorrelatorModel(c)
 
     def step(self, i: Mapping[str, int]) -> Values:
@@ -54,7 +54,7 @@ class BoardModel:
         control = self.control.outputs()
         capture = self.capture.outputs()
         fronts = self._cameras(i, known(control))
-        level = len(self.jobs.words)
+        level = self.jobs.level
         job, laid = self._lay(rst, known(control))
         work = self.correlator.step({
             "rst_i": rst, "job_valid_i": job["out_valid_o"] or 0, "job_i": job["out_data_o"] or 0,
@@ -69,7 +69,7 @@ class BoardModel:
             **i, "active_i": fronts["busy_o"], "accepted_i": fronts["accepted_o"], "dropped_i": fronts["dropped_o"],
             "slot_valid_i": capture["slot_valid_o"], "armed_i": capture["armed_o"], "writing_i": capture["writing_o"],
             "refused_i": capture["refused_o"], "captured_i": capture["done_o"], "job_ready_i": laid["job_ready_o"],
-            "job_level_i": level, "job_busy_i": int(any((work["busy_o"], job["out_valid_o"], laid["job_valid_o"]))),
+            "job_level_i": level, "job_busy_i": int(bool(work["busy_o"] or level or not laid["job_ready_o"])),
             "result_valid_i": work["res_valid_o"], "result_level_i": work["res_level_o"],
             "work_i": work["busy_o"], "score_i": work["score_o"], "peek_ready_i": store["peek_ready_o"],
             "peek_done_i": store["peek_done_o"]})
@@ -101,7 +101,7 @@ class BoardModel:
         laid = self.grid.step({
             "rst_i": rst, "job_valid_i": control["job_valid_o"], "job_i": control["job_o"],
             "count_x_i": control["grid_x_o"], "count_y_i": control["grid_y_o"], "step_x_i": control["step_x_o"],
-            "step_y_i": control["step_y_o"], "job_ready_i": int(len(self.jobs.words) < self.config.job_depth)})
+            "step_y_i": control["step_y_o"], "job_ready_i": int(self.jobs.level < self.config.job_depth)})
         job = self.jobs.step({"rst_i": rst, "in_valid_i": laid["job_valid_o"] or 0, "in_data_i": laid["job_o"] or 0,
                               "out_ready_i": int(self.correlator.fetch.state == "idle")})
         return job, laid

@@ -13,6 +13,9 @@ from golden.cycle_store import STORE_LATENCY
 from golden.params import Config
 from golden.structs import TICKET, unpack_job
 
+PAUSE = 3
+"""Clocks between a job's two rectangles: the end is noticed, the next plan taken, its first row begun."""
+
 
 @dataclass(frozen=True)
 class Read:
@@ -60,7 +63,9 @@ class FetchModel:
         self.bank = 1
         self.reads: deque[Read] = deque()
         self.flight: list[int | None] = [None] * (STORE_LATENCY + 1)
-        self.ring, self.limit, self.full = 0, self.config.ring_rows, False
+        self.pause = 0  # clocks before the next rectangle's first read
+        self.ring, self.full = 0, False
+        self.limits = deque([self.config.ring_rows] * 2)  # of the next clock, of the one after it
         self.rows_written = 0
         self.tpl_done = 0
 
@@ -75,9 +80,11 @@ class FetchModel:
         side = None if aligned["out_side_o"] is None else self.sides[aligned["out_side_o"]]
         checked = self.check.step({**{k: i[k] for k in ("rst_i", "image_width_i", "image_height_i", "slot_valid_i")},
                                    "start_i": int(self.state == "start"), "job_i": self.job})
+        state = self.state
         out: dict[str, int | None] = {
             "job_ready_o": int(self.state == "idle"), "slot_busy_o": self.busy_slots,
-            "rd_valid_o": int(self.flight[0] is not None), "rd_addr_o": self.rd_addr,
+            "rd_valid_o": int(self.flight[0] is not None),
+            "rd_addr_o": None if self.flight[0] is None else self.rd_addr,
             "wr_valid_o": aligned["out_valid_o"], "wr_data_o": aligned["out_data_o"],
             "wr_tpl_o": None if side is None else int(side.tpl), "wr_wide_o": None if side is None else int(side.wide),
             "wr_bank_o": None if side is None else side.bank, "wr_row_o": None if side is None else side.row,
@@ -94,7 +101,9 @@ class FetchModel:
         # A read.
         ring = self.ring
         self.flight.pop()
-        reading = bool(self.reads) and (self.reads[0].tpl or not self.reads[0].begins or not self.full)
+        paused, self.pause = self.pause, max(self.pause - 1, 0)
+        reading = bool(self.reads) and not paused and (
+            self.reads[0].tpl or not self.reads[0].begins or not self.full)
         if reading:
             read = self.reads.popleft()
             self.sides.append(read)
@@ -103,11 +112,13 @@ class FetchModel:
             if read.ring_end:
                 self.ring = (ring + 1) % self.counter
             if not self.reads:
-                self.state, self.busy_slots = "idle", 0
+                self.state = "end"
+            elif read.tpl and not self.reads[0].tpl:
+                self.pause = PAUSE
         else:
             self.flight.insert(0, None)
-        self.full = self.ring == self.limit
-        self.limit = (i["rows_freed_i"] + c.ring_rows) % self.counter
+        self.full = self.ring == self.limits.popleft()
+        self.limits.append((i["rows_freed_i"] + c.ring_rows) % self.counter)
         # The job.
         free_bank = self.banks_used < 2
         self.banks_used -= i["bank_free_i"]
@@ -117,28 +128,37 @@ class FetchModel:
         if out["job_ready_o"]:
             self.job = i["job_i"]
             if i["job_valid_i"]:
-                job = unpack_job(self.job)
-                self.state, self.busy_slots = "start", 1 << job.tpl_slot | 1 << job.search_slot
-        elif self.state == "start":
+                self.state = "mark"
+        elif state == "mark":
+            job = unpack_job(self.job)
+            self.state, self.busy_slots = "start", 1 << job.tpl_slot | 1 << job.search_slot
+        elif state == "start":
             self.state = "check"
-        elif self.state == "check":
+        elif state == "check":
             if checked["done_o"]:
+                self.state = "wait"
+        elif state == "wait":
+            if not offered and (checked["status_o"] != Status.OK or free_bank):
                 self.state = "issue"
-        elif self.state == "issue" and not offered:
+        elif state == "issue":
             status, area = checked["status_o"], checked["area_o"]
             assert status is not None and area is not None
-            if status != Status.OK or free_bank:
-                self.ticket = TICKET.pack({"job": self.job, "status": status, "bank": 1 - self.bank, "row": ring,
-                                           "area": area})
-                self.offered = True
-                if status != Status.OK:
-                    self.state, self.busy_slots = "idle", 0
-                else:
-                    self.state = "load"
-                    self.banks_used += 1
-                    self.bank = 1 - self.bank
-                    self.tpl_done &= ~(1 << self.bank)
-                    self.reads.extend(self._layout())
+            self.ticket = TICKET.pack({"job": self.job, "status": status, "bank": 1 - self.bank, "row": ring,
+                                       "area": area})
+            self.offered = True
+            if status != Status.OK:
+                self.state, self.busy_slots = "idle", 0
+            else:
+                self.state = "load"
+                self.banks_used += 1
+                self.bank = 1 - self.bank
+                self.tpl_done &= ~(1 << self.bank)
+                self.reads.extend(self._layout())
+                self.pause = 1
+        elif state == "end":
+            self.state = "over"
+        elif state == "over":
+            self.state, self.busy_slots = "idle", 0
         if i["rst_i"]:
             self._reset()
         return out

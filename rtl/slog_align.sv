@@ -62,7 +62,21 @@ module slog_align #(
     end else begin : g_next
       assign wide = stage_q[s-1];
     end
-    assign narrow = (wide >> (PadW'(shift_q[s][Low+:2]) << Low)) & ({(2 * Width) {1'b1}} >> (2 * Width - Keep));
+    if (s == 0) begin : g_halves
+      // So many bits look at the first two of the shift that the upper half has a register of its own, with the opposite.
+      logic [1:0] opposite_q;
+      /* verilator lint_off UNUSEDSIGNAL */
+      logic [2*Width-1:0] low, high;
+      /* verilator lint_on UNUSEDSIGNAL */
+      always_ff @(posedge clk_i) begin
+        if (in_valid_i && in_emit_i) opposite_q <= ~2'(PadW'(in_shift_i) >> Low);
+      end
+      assign low    = wide >> (PadW'(shift_q[s][Low+:2]) << Low);
+      assign high   = wide >> (PadW'(~opposite_q) << Low);
+      assign narrow = {high[2*Width-1:Keep/2], low[Keep/2-1:0]} & ({(2 * Width) {1'b1}} >> (2 * Width - Keep));
+    end else begin : g_whole
+      assign narrow = (wide >> (PadW'(shift_q[s][Low+:2]) << Low)) & ({(2 * Width) {1'b1}} >> (2 * Width - Keep));
+    end
     always_ff @(posedge clk_i) begin
       if (valid_q[s]) stage_q[s] <= narrow;
     end

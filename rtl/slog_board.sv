@@ -116,7 +116,7 @@ module slog_board
       .step_x_o        (step_x),
       .step_y_o        (step_y),
       .job_level_i     (16'(job_level)),
-      .job_busy_i      (work || job_valid || laid_valid),
+      .job_busy_i      (work || job_level != '0 || !command_ready),
       .result_valid_i  (result_valid),
       .result_ready_o  (result_ready),
       .result_i        (result),
@@ -238,7 +238,7 @@ module slog_board
   ) u_correlator_gate (
       .clk_i,
       .rst_i,
-      .active_i(command_valid || laid_valid || job_valid || work || result_valid || surf_tvalid_o),
+      .active_i(command_valid || !command_ready || job_level != '0 || work || result_valid || surf_tvalid_o),
       .clk_o   (correlator_clk)
   );
 
@@ -257,7 +257,7 @@ module slog_board
       .job_o      (laid)
   );
 
-  slog_fifo #(
+  slog_ram_fifo #(
       .Width($bits(job_t)),
       .Depth(JobDepth)
   ) u_jobs (

@@ -5,7 +5,8 @@
 //                              \---- contexts, grants --/
 // Latency    : see the blocks.
 // Throughput : one score per clock while a pass's steps are no more than its offsets.
-// Counters   : busy_o is high while a job is being fetched or stepped; score_o once for every score.
+// Counters   : busy_o is high from the clock after a job is offered until it has been fetched and stepped; score_o once for
+//              every score.
 module slog_correlator
   import slog_pkg::*, slog_fetch_pkg::*;
 #(
@@ -220,6 +221,11 @@ module slog_correlator
       .res_level_o
   );
 
-  assign busy_o  = fetch_busy || sequencer_busy;
+  logic busy_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) busy_q <= 1'b0;
+    else busy_q <= job_valid_i || fetch_busy || sequencer_busy;
+  end
+  assign busy_o  = busy_q;
   assign score_o = mismatch_valid;
 endmodule : slog_correlator

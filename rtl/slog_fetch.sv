@@ -9,11 +9,11 @@
 //   4      rd_data_i (slog_store_pkg::StoreLatency)
 //   +A     wr_*_o, aligned (A = latency of slog_align: 4 at 64 bits)
 //   +1     rows_written_o, tpl_done_o
-// Latency    : job to ticket 12 clocks when a template bank is free, first read 1 clock after.
-// Throughput : one store read a clock, without gaps in a row; a job takes 13 clocks plus its reads.
+// Latency    : job to ticket 14 clocks when a template bank is free, first read 2 clocks after.
+// Throughput : one store read a clock, without gaps in a row or between rows; a job takes 20 clocks plus its reads.
 // Rules      : a row is loaded when the ring has room for it; the ring is filled to its last row.
-//              slot_busy_o marks the slots of the present job from the clock after it is taken, which is when the check
-//              looks at slot_valid_i, until its last read.
+//              slot_busy_o marks the slots of the present job from the second clock after it is taken, which is when the
+//              check looks at slot_valid_i, until after its last read.
 `include "slog_assert.svh"
 module slog_fetch
   import slog_pkg::*, slog_fetch_pkg::*, slog_store_pkg::*;
@@ -58,7 +58,6 @@ module slog_fetch
 );
   localparam int unsigned ShiftW = $clog2(Width);
 
-  typedef enum logic [2:0] {Idle, Start, Check, Issue, Template, Search} state_e;
   typedef struct packed {
     logic [ShiftW-1:0] shift;
     logic              emit;      // an aligned word begins here
@@ -71,18 +70,19 @@ module slog_fetch
     logic [3:0]        word;
   } side_t;
 
-  state_e state_q;
+  // One-hot, in their order: a job is awaited; its slots are marked; check and plan start; are under way; a ticket's place
+  // and a bank are awaited; the ticket is made; template reads; the search's plan is taken; search reads; they are over.
+  logic idle_q, mark_q, start_q, check_q, wait_q, issue_q, tpl_q, turn_q, search_q, over_q;
   job_t job_q;
 
   // Check and plan.
-  logic start, checked;
+  logic checked;
   status_e status;
   logic [ScoreW-1:0] area;
   // The address is as wide as the largest store's.
   /* verilator lint_off UNUSEDSIGNAL */
   load_t tpl_plan, search_plan;
   /* verilator lint_on UNUSEDSIGNAL */
-  assign start = state_q == Start;
   slog_job_check #(
       .MinWindow(MinWindow),
       .MaxWindow(MaxWindow),
@@ -90,7 +90,7 @@ module slog_fetch
   ) u_check (
       .clk_i,
       .rst_i,
-      .start_i (start),
+      .start_i (start_q),
       .job_i   (job_q),
       .image_width_i,
       .image_height_i,
@@ -106,7 +106,7 @@ module slog_fetch
   ) u_plan (
       .clk_i,
       .rst_i,
-      .start_i (start),
+      .start_i (start_q),
       .job_i   (job_q),
       .tpl_o   (tpl_plan),
       .search_o(search_plan)
@@ -114,67 +114,100 @@ module slog_fetch
 
   // Template banks: given out in turn, come back in turn.
   logic [1:0] banks_used_q;
-  logic bank_q, wide_q;
-  logic ticket_valid_q, issue, refused;
+  logic bank_q, wide_q, ticket_valid_q, refused_q, accept, refuse;
+  logic accept_q, refuse_q;          // issue_q, and the job is accepted, refused
   ticket_t ticket_q;
-  assign refused = status != StatusOk;
-  assign issue   = state_q == Issue && !ticket_valid_q && (refused || !banks_used_q[1]);
+  assign accept = wait_q && !ticket_valid_q && !refused_q && !banks_used_q[1];
+  assign refuse = wait_q && !ticket_valid_q && refused_q;
 
-  // The read under way.
-  logic [AddrW-1:0] addr_q, line_q;  // next word; first word of its row
-  logic [3:0] word_q, words_in_q, words_out_q;
-  logic [9:0] rows_left_q;
+  // The read under way: word word_q of the row that begins at line_q. A rectangle's plan is taken (take_q) and its first
+  // row begun (the clock after) as if a row had ended each time: step_q is high in these clocks and when a word is read.
+  // Between rectangles last_q and last_row_q are high, and nothing depends on the other registers here.
+  logic take_q, walk_q, step_q, active_q;  // walk_q is !take_q, a register of its own for addresses and counts
+  logic end_q;                       // the rectangle's last word was read in the last clock
+  logic go_q;                        // a word is read in this clock
+  logic last_q, last_row_q;          // it is its row's last, its row the rectangle's
+  logic more_q;                      // !last_q, a register of its own for the flags
+  logic [AddrW-1:0] line_q, next_line_q;
+  logic [3:0] word_q, left_q, words_in_q, words_out_q;
+  logic spare_q;                     // a row touches one word more than it fills
+  logic [9:0] rows_left_q;           // after the next row
   logic [ShiftW-1:0] shift_q;
   logic [7:0] tpl_row_q;
   logic [RowW-1:0] ring_q;           // ring rows given out, mod 2*RingRows
-  logic [RowW-1:0] ring_next_q;      // ring_q + 1
-  logic [RowW-1:0] limit_q;          // value of ring_q at which the ring is full
-  logic full_q, loading_tpl, read, row_end, load_end;
-  assign loading_tpl = state_q == Template;
-  assign read        = loading_tpl || (state_q == Search && (word_q != '0 || !full_q));
-  assign row_end     = read && word_q == words_in_q;
-  assign load_end    = row_end && rows_left_q == '0;
+  logic last, next_row, given, rect_end, go, blocked, next_blocked;
+  assign next_row = step_q && last_q;
+  assign given    = go_q && last_q && search_q;
+  // Of a row's address the lowest bits are those of all rows: kept apart, they need no enable of their own.
+  localparam int unsigned SameW = $clog2(WordsPerRow & -WordsPerRow);
+  logic [AddrW-1:0] next_line;
+  assign next_line = walk_q ? next_line_q + AddrW'(WordsPerRow) :
+                     turn_q ? search_plan.addr[AddrW-1:0] : tpl_plan.addr[AddrW-1:0];
+  assign rect_end = go_q && last_q && last_row_q;
+  assign last     = !step_q ? last_q : last_q ? last_row_q || words_in_q == '0 : left_q == 4'd1;
+  assign go       = go_q ? more_q || !(last_row_q || next_blocked) : active_q && !blocked;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      state_q        <= Idle;
+      idle_q         <= 1'b1;
+      mark_q         <= 1'b0;
+      start_q        <= 1'b0;
+      check_q        <= 1'b0;
+      wait_q         <= 1'b0;
+      issue_q        <= 1'b0;
+      tpl_q          <= 1'b0;
+      turn_q         <= 1'b0;
+      search_q       <= 1'b0;
+      over_q         <= 1'b0;
+      accept_q       <= 1'b0;
+      refuse_q       <= 1'b0;
+      take_q         <= 1'b0;
+      walk_q         <= 1'b1;
+      step_q         <= 1'b0;
+      active_q       <= 1'b0;
+      end_q          <= 1'b0;
+      last_q         <= 1'b1;
+      more_q         <= 1'b0;
+      last_row_q     <= 1'b1;
+      go_q           <= 1'b0;
       slot_busy_o    <= '0;
       ticket_valid_q <= 1'b0;
       banks_used_q   <= '0;
       bank_q         <= 1'b1;
     end else begin
-      if (ticket_ready_i) ticket_valid_q <= 1'b0;
-      banks_used_q <= banks_used_q + 2'(issue && !refused) - 2'(bank_free_i);
-      unique case (state_q)
-        Idle:
-        if (job_valid_i) begin
-          state_q     <= Start;
-          slot_busy_o <= (8'd1 << job_i.tpl_slot) | (8'd1 << job_i.search_slot);
-        end
-        Start: state_q <= Check;
-        Check: if (checked) state_q <= Issue;
-        Issue: begin
-          if (issue) begin
-            ticket_valid_q <= 1'b1;
-            state_q        <= refused ? Idle : Template;
-            if (!refused) bank_q <= !bank_q;
-            if (refused) slot_busy_o <= '0;
-          end
-        end
-        Template: if (load_end) state_q <= Search;
-        Search:
-        if (load_end) begin
-          state_q     <= Idle;
-          slot_busy_o <= '0;
-        end
-        default: state_q <= Idle;
-      endcase
+      idle_q   <= (idle_q && !job_valid_i) || refuse_q || over_q;
+      mark_q   <= idle_q && job_valid_i;
+      start_q  <= mark_q;
+      check_q  <= start_q || (check_q && !checked);
+      wait_q   <= (check_q && checked) || (wait_q && !accept && !refuse);
+      issue_q  <= accept || refuse;
+      accept_q <= accept;
+      refuse_q <= refuse;
+      tpl_q    <= accept_q || (tpl_q && !end_q);
+      turn_q   <= tpl_q && end_q;
+      search_q <= turn_q || (search_q && !end_q);
+      over_q   <= search_q && end_q;
+      take_q   <= accept || (tpl_q && end_q);
+      active_q <= take_q || (active_q && !rect_end);
+      end_q    <= rect_end;
+      go_q     <= go;
+      walk_q   <= !(accept || (tpl_q && end_q));
+      step_q   <= accept || end_q || take_q || go;
+      last_q   <= last;
+      more_q   <= !last;
+      if (mark_q) slot_busy_o <= (8'd1 << job_q.tpl_slot) | (8'd1 << job_q.search_slot);
+      else if (refuse_q || over_q) slot_busy_o <= '0;
+      ticket_valid_q <= issue_q || (ticket_valid_q && !ticket_ready_i);
+      banks_used_q   <= banks_used_q + 2'(accept_q) - 2'(bank_free_i);
+      if (accept_q) bank_q <= !bank_q;
+      last_row_q     <= !take_q && (last_row_q || (step_q && !more_q && rows_left_q == '0));
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (state_q == Idle) job_q <= job_i;
-    if (issue) begin
+    if (idle_q) job_q <= job_i;
+    refused_q <= status != StatusOk;
+    if (issue_q) begin
       ticket_q <= '{job: job_q, status: status, bank: !bank_q, row: 9'(ring_q), area: area};
       wide_q   <= job_q.width > 8'(Width);
     end
@@ -182,40 +215,45 @@ module slog_fetch
 
   // Walk through the rectangle.
   always_ff @(posedge clk_i) begin
-    if (issue || (loading_tpl && load_end)) begin
-      addr_q      <= issue ? tpl_plan.addr[AddrW-1:0] : search_plan.addr[AddrW-1:0];
-      line_q      <= issue ? tpl_plan.addr[AddrW-1:0] : search_plan.addr[AddrW-1:0];
-      shift_q     <= issue ? tpl_plan.shift[ShiftW-1:0] : search_plan.shift[ShiftW-1:0];
-      words_in_q  <= issue ? tpl_plan.words_in : search_plan.words_in;
-      words_out_q <= issue ? tpl_plan.words_out : search_plan.words_out;
-      rows_left_q <= issue ? tpl_plan.rows : search_plan.rows;
-      word_q      <= '0;
-      tpl_row_q   <= '0;
-    end else if (read) begin
-      addr_q <= row_end ? line_q + AddrW'(WordsPerRow) : addr_q + 1'b1;
-      word_q <= row_end ? '0 : word_q + 1'b1;
-      if (row_end) begin
-        line_q      <= line_q + AddrW'(WordsPerRow);
-        rows_left_q <= rows_left_q - 1'b1;
-        tpl_row_q   <= tpl_row_q + 1'b1;
-      end
+    if (!walk_q) begin
+      shift_q     <= turn_q ? search_plan.shift[ShiftW-1:0] : tpl_plan.shift[ShiftW-1:0];
+      words_in_q  <= turn_q ? search_plan.words_in : tpl_plan.words_in;
+      words_out_q <= turn_q ? search_plan.words_out : tpl_plan.words_out;
     end
+    spare_q <= words_in_q != words_out_q;
+    if (step_q) begin
+      word_q <= last_q ? '0 : word_q + 1'b1;
+      left_q <= last_q ? words_in_q : left_q - 1'b1;
+    end
+    if (next_row) begin
+      line_q      <= next_line_q;
+      rows_left_q <= walk_q ? rows_left_q - 1'b1 : turn_q ? search_plan.rows : tpl_plan.rows;
+    end
+    for (int unsigned b = 0; b < AddrW; b++) if ((b < SameW) ? !walk_q : next_row) next_line_q[b] <= next_line[b];
+    if (!walk_q) tpl_row_q <= '1;
+    else if (next_row) tpl_row_q <= tpl_row_q + 1'b1;
   end
 
-  // Room in the ring, up to limit_q: free rows are known a clock or two late, never early.
+  // Room in the ring: free rows are known a few clocks late, never early. Whether the ring has come to the limit, or will
+  // have one or two rows on, is found out a clock before it is asked.
+  logic [RowW-1:0] limit_q[3];      // value of ring_q at which the ring is full, or will be one, two rows on
+  logic [2:0] full_q;
+  logic given_q;                    // a ring row was given out in the last clock
+  assign blocked      = search_q && (given_q ? full_q[1] : full_q[0]);
+  assign next_blocked = search_q && (given_q ? full_q[2] : full_q[1]);
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      ring_q      <= '0;
-      ring_next_q <= RowW'(1);
-      limit_q     <= RowW'(RingRows);
-      full_q      <= 1'b0;
+      ring_q  <= '0;
+      given_q <= 1'b0;
+      full_q  <= '0;
+      for (int unsigned n = 0; n < 3; n++) limit_q[n] <= RowW'(RingRows - n);
     end else begin
-      if (row_end && !loading_tpl) begin
-        ring_q      <= ring_next_q;
-        ring_next_q <= ring_next_q + 1'b1;
+      given_q <= given;
+      if (given) ring_q <= ring_q + 1'b1;
+      for (int unsigned n = 0; n < 3; n++) begin
+        limit_q[n] <= rows_freed_i + RowW'(RingRows - n);
+        full_q[n]  <= ring_q == limit_q[n];
       end
-      limit_q <= rows_freed_i + RowW'(RingRows);
-      full_q  <= (row_end && !loading_tpl) ? ring_next_q == limit_q : ring_q == limit_q;
     end
   end
 
@@ -225,23 +263,21 @@ module slog_fetch
   logic [AddrW-1:0] rd_addr_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) read_q <= '0;
-    else read_q <= {read_q[StoreLatency-1:0], read};
+    else read_q <= {read_q[StoreLatency-1:0], go_q};
   end
   always_ff @(posedge clk_i) begin
-    if (read) begin
-      rd_addr_q <= addr_q;
-      side_q[0] <= '{
-          shift: shift_q,
-          emit: word_q <= words_out_q,
-          row_end: word_q == words_out_q,
-          load_end: rows_left_q == '0,
-          tpl: loading_tpl,
-          wide: wide_q,
-          bank: bank_q,
-          row: loading_tpl ? tpl_row_q : 8'(ring_q[RowW-2:0]),
-          word: word_q
-      };
-    end
+    rd_addr_q <= line_q + AddrW'(word_q);
+    side_q[0] <= '{
+        shift: shift_q,
+        emit: !(last_q && spare_q),
+        row_end: spare_q ? left_q == 4'd1 : last_q,
+        load_end: last_row_q,
+        tpl: tpl_q,
+        wide: wide_q,
+        bank: bank_q,
+        row: tpl_q ? tpl_row_q : 8'(ring_q[RowW-2:0]),
+        word: word_q
+    };
     for (int unsigned s = 1; s <= StoreLatency; s++) if (read_q[s-1]) side_q[s] <= side_q[s-1];
   end
 
@@ -275,11 +311,11 @@ module slog_fetch
     end else begin
       if (wr_valid_o && !wr_side.tpl && wr_side.row_end) rows_written_q <= rows_written_q + 1'b1;
       if (wr_valid_o && wr_side.tpl && wr_side.row_end && wr_side.load_end) tpl_done_q[wr_side.bank] <= 1'b1;
-      if (issue && !refused) tpl_done_q[!bank_q] <= 1'b0;
+      if (accept_q) tpl_done_q[!bank_q] <= 1'b0;
     end
   end
 
-  assign job_ready_o    = state_q == Idle;
+  assign job_ready_o    = idle_q;
   assign rd_valid_o     = read_q[0];
   assign rd_addr_o      = rd_addr_q;
   assign wr_tpl_o       = wr_side.tpl;
@@ -291,8 +327,12 @@ module slog_fetch
   assign ticket_o       = ticket_q;
   assign tpl_done_o     = tpl_done_q;
   assign rows_written_o = rows_written_q;
-  assign busy_o         = state_q != Idle || ticket_valid_q;
+  assign busy_o         = !idle_q || ticket_valid_q;
 
+  `SLOG_ASSERT(SlogFetchState,
+               $onehot({idle_q, mark_q, start_q, check_q, wait_q, issue_q, tpl_q, turn_q, search_q, over_q}))
+  `SLOG_ASSERT(SlogFetchCopies, more_q == !last_q && walk_q == !take_q)
+  `SLOG_ASSERT(SlogFetchBetween, active_q || take_q || (last_q && last_row_q && !go_q))
   `SLOG_ASSERT_INIT(SlogFetchRing, RingRows == 2 ** (RowW - 1) && RingRows >= MaxWindow && RingRows <= 256)
   `SLOG_ASSERT_STABLE(SlogFetchTicketStable, ticket_valid_o, ticket_ready_i, ticket_o)
   `SLOG_ASSERT(SlogFetchRingNotOverrun, RowW'(ring_q - rows_freed_i) <= RowW'(RingRows))

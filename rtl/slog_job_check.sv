@@ -5,9 +5,10 @@
 //
 //   clock  registers (after start_i in clock 0)
 //   1      window, offset and slot tests; right and bottom of the template, extent of the search
-//   2      template against the image; right and bottom of the search
+//   2      template against the image; right and bottom of the search; of two tests of a kind, one
 //   3      search against the image
-//   4      status_o
+//   4      outside
+//   5      status_o
 //   9      area_o
 // Latency    : done_o 9 clocks after start_i; status_o and area_o stay until the next start_i.
 // Throughput : one job at a time. job_i is stable from start_i to done_o; slot_valid_i is looked at in start_i's clock.
@@ -54,39 +55,55 @@ module slog_job_check
   function automatic logic bad_size(logic [7:0] size);
     return size < 8'(MinWindow) || size > 8'(MaxWindow);
   endfunction
-  function automatic logic good_slot(logic [2:0] slot, logic [7:0] valid);
-    return {1'b0, slot} < 4'(Slots) && valid[slot];
+  // Of a - b only the sign is wanted.
+  function automatic logic less(logic [11:0] a, logic [11:0] b);
+    /* verilator lint_off UNUSEDSIGNAL */
+    logic [12:0] difference = 13'(a) - 13'(b);
+    /* verilator lint_on UNUSEDSIGNAL */
+    return difference[12];
   endfunction
+  logic [7:0] good_slots;
+  assign good_slots = slot_valid_i & 8'((1 << Slots) - 1);
 
-  logic bad_window_q, no_offsets_q, bad_slot_q;
+  logic bad_width_q, bad_height_q, none_across_q, none_down_q;
+  logic [1:0] good_tpl_q, good_search_q;                       // if it is one of slots 0..3, 4..7
   logic [10:0] tpl_right_q, tpl_bottom_q, span_x_q, span_y_q;  // first column or row past; extent plus one
   logic [10:0] limit_x_q, limit_y_q;                           // image size plus one
   logic [11:0] right_q, bottom_q;                              // first column or row past the search, plus one
-  logic tpl_out_q, tpl_below_q, out_q, below_q;
+  logic tpl_out_q, tpl_below_q, out_q, below_q, outside_q, bad_window_q, no_offsets_q, bad_slot_q;
   status_e status_q;
   always_ff @(posedge clk_i) begin
     if (start_i) begin
-      bad_window_q <= bad_size(job_i.width) || bad_size(job_i.height);
-      no_offsets_q <= job_i.offsets_x == '0 || job_i.offsets_y == '0;
-      bad_slot_q   <= !good_slot(job_i.tpl_slot, slot_valid_i) || !good_slot(job_i.search_slot, slot_valid_i);
-      tpl_right_q  <= 11'(job_i.tpl_x) + 11'(job_i.width);
-      tpl_bottom_q <= 11'(job_i.tpl_y) + 11'(job_i.height);
-      span_x_q     <= 11'(job_i.offsets_x) + 11'(job_i.width);
-      span_y_q     <= 11'(job_i.offsets_y) + 11'(job_i.height);
-      limit_x_q    <= 11'(image_width_i) + 1'b1;
-      limit_y_q    <= 11'(image_height_i) + 1'b1;
+      bad_width_q   <= bad_size(job_i.width);
+      bad_height_q  <= bad_size(job_i.height);
+      none_across_q <= job_i.offsets_x == '0;
+      none_down_q   <= job_i.offsets_y == '0;
+      for (int unsigned n = 0; n < 2; n++) begin
+        good_tpl_q[n]    <= good_slots[{1'(n), job_i.tpl_slot[1:0]}];
+        good_search_q[n] <= good_slots[{1'(n), job_i.search_slot[1:0]}];
+      end
+      tpl_right_q   <= 11'(job_i.tpl_x) + 11'(job_i.width);
+      tpl_bottom_q  <= 11'(job_i.tpl_y) + 11'(job_i.height);
+      span_x_q      <= 11'(job_i.offsets_x) + 11'(job_i.width);
+      span_y_q      <= 11'(job_i.offsets_y) + 11'(job_i.height);
+      limit_x_q     <= 11'(image_width_i) + 1'b1;
+      limit_y_q     <= 11'(image_height_i) + 1'b1;
     end
     if (busy_q) begin
-      tpl_out_q   <= tpl_right_q >= limit_x_q;
-      tpl_below_q <= tpl_bottom_q >= limit_y_q;
+      tpl_out_q   <= !less(12'(tpl_right_q), 12'(limit_x_q));
+      tpl_below_q <= !less(12'(tpl_bottom_q), 12'(limit_y_q));
       right_q     <= 12'(job_i.search_x) + 12'(span_x_q);
       bottom_q    <= 12'(job_i.search_y) + 12'(span_y_q);
-      out_q       <= right_q > 12'(limit_x_q);
-      below_q     <= bottom_q > 12'(limit_y_q);
+      out_q       <= less(12'(limit_x_q), right_q);
+      below_q     <= less(12'(limit_y_q), bottom_q);
+      bad_window_q <= bad_width_q || bad_height_q;
+      no_offsets_q <= none_across_q || none_down_q;
+      bad_slot_q   <= !good_tpl_q[job_i.tpl_slot[2]] || !good_search_q[job_i.search_slot[2]];
+      outside_q    <= tpl_out_q || tpl_below_q || out_q || below_q;
       if (bad_window_q) status_q <= StatusBadWindow;
       else if (no_offsets_q) status_q <= StatusNoOffsets;
       else if (bad_slot_q) status_q <= StatusBadSlot;
-      else if (tpl_out_q || tpl_below_q || out_q || below_q) status_q <= StatusOutside;
+      else if (outside_q) status_q <= StatusOutside;
       else status_q <= StatusOk;
     end
   end

@@ -5,7 +5,7 @@
 //   template: bits = width, rows = height; search: bits = width + offsets_x - 1, rows = height + offsets_y - 1
 //   words_in, words_out and rows are less one (load_t). The product is made by shift and add.
 //
-// Latency    : tpl_o and search_o are right from WordsBits + 2 clocks after start_i (at least 4), while job_i stays.
+// Latency    : tpl_o and search_o are right from WordsBits + 4 clocks after start_i, while job_i stays.
 // Throughput : one job at a time. The plan of a job that is refused means nothing.
 `include "slog_assert.svh"
 module slog_job_plan
@@ -16,7 +16,7 @@ module slog_job_plan
     parameter  int unsigned WordsPerRow = 10,
     localparam int unsigned ShiftW      = $clog2(Width),
     localparam int unsigned WordsBits   = $clog2(WordsPerRow + 1),
-    localparam int unsigned Latency     = (WordsBits > 2) ? WordsBits + 2 : 4
+    localparam int unsigned Latency     = WordsBits + 4
 ) (
     input  logic  clk_i,
     input  logic  rst_i,
@@ -36,19 +36,20 @@ module slog_job_plan
     else at_q <= {at_q[Latency-2:0], start_i};
   end
 
-  function automatic logic [LineW-1:0] line_of(logic [2:0] slot, logic [9:0] y);
-    logic [LineW-1:0] first;
-    first = '0;
-    for (int unsigned s = 0; s < 8; s++) if (slot == 3'(s)) first = LineW'(s * MaxHeight);
-    return first + LineW'(y);
+  // First line of each slot.
+  function automatic logic [7:0][LineW-1:0] first_lines();
+    logic [7:0][LineW-1:0] lines;
+    for (int unsigned s = 0; s < 8; s++) lines[s] = LineW'(s * MaxHeight);
+    return lines;
   endfunction
+  localparam logic [7:0][LineW-1:0] FirstLine = first_lines();
 
   function automatic logic [3:0] word_of(logic [9:0] column);
     return 4'(column >> ShiftW);
   endfunction
 
   // Extents.
-  logic [7:0] width_q;                      // bits of a template row, less one
+  logic [7:0] width_q, height_q;            // bits of a template row, and rows, less one
   logic [9:0] across_q, down_q;             // offsets, less one
   logic [9:0] span_q, search_rows_q;        // bits of a search row, and rows, less one
   logic [3:0] tpl_last_q, search_last_q;    // word of the row's last bit
@@ -56,12 +57,13 @@ module slog_job_plan
   always_ff @(posedge clk_i) begin
     if (start_i) begin
       width_q  <= job_i.width - 1'b1;
+      height_q <= job_i.height - 1'b1;
       across_q <= job_i.offsets_x - 1'b1;
       down_q   <= job_i.offsets_y - 1'b1;
     end
     if (at_q[0]) begin
       span_q        <= across_q + 10'(width_q);
-      search_rows_q <= down_q + 10'(job_i.height) - 1'b1;
+      search_rows_q <= down_q + 10'(height_q);
       tpl_last_q    <= word_of(job_i.tpl_x + 10'(width_q));
     end
     if (at_q[1]) begin
@@ -71,24 +73,36 @@ module slog_job_plan
     if (at_q[2]) search_words_q <= search_last_q - word_of(job_i.search_x);
   end
 
-  // Addresses: WordsBits steps of shift and add, then the word within the row.
-  logic [LineW-1:0] tpl_line_q, search_line_q;
+  // Addresses: the line, WordsBits steps of shift and add, each a clock after its term is chosen, the word within the row.
+  logic [LineW-1:0] tpl_first_q, search_first_q, tpl_line_q, search_line_q, tpl_term_q, search_term_q;
   logic [WordsBits-1:0] factor_q;
   logic [15:0] tpl_addr_q, search_addr_q;
-  logic multiply;
-  assign multiply = |at_q[WordsBits-1:0];
+  logic multiply_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) multiply_q <= 1'b0;
+    else multiply_q <= at_q[WordsBits:1] != '0;
+  end
   always_ff @(posedge clk_i) begin
     if (start_i) begin
-      tpl_line_q    <= line_of(job_i.tpl_slot, job_i.tpl_y);
-      search_line_q <= line_of(job_i.search_slot, job_i.search_y);
+      tpl_first_q    <= FirstLine[job_i.tpl_slot];
+      search_first_q <= FirstLine[job_i.search_slot];
+    end
+    if (at_q[0]) begin
+      tpl_line_q    <= tpl_first_q + LineW'(job_i.tpl_y);
+      search_line_q <= search_first_q + LineW'(job_i.search_y);
       factor_q      <= WordsBits'(WordsPerRow);
+    end else begin
+      factor_q      <= factor_q << 1;
+    end
+    tpl_term_q    <= factor_q[WordsBits-1] ? tpl_line_q : '0;
+    search_term_q <= factor_q[WordsBits-1] ? search_line_q : '0;
+    if (at_q[0]) begin
       tpl_addr_q    <= '0;
       search_addr_q <= '0;
-    end else if (multiply) begin
-      factor_q      <= factor_q << 1;
-      tpl_addr_q    <= (tpl_addr_q << 1) + (factor_q[WordsBits-1] ? 16'(tpl_line_q) : '0);
-      search_addr_q <= (search_addr_q << 1) + (factor_q[WordsBits-1] ? 16'(search_line_q) : '0);
-    end else if (at_q[WordsBits]) begin
+    end else if (multiply_q) begin
+      tpl_addr_q    <= (tpl_addr_q << 1) + 16'(tpl_term_q);
+      search_addr_q <= (search_addr_q << 1) + 16'(search_term_q);
+    end else if (at_q[WordsBits+2]) begin
       tpl_addr_q    <= tpl_addr_q + 16'(word_of(job_i.tpl_x));
       search_addr_q <= search_addr_q + 16'(word_of(job_i.search_x));
     end
@@ -99,7 +113,7 @@ module slog_job_plan
           shift: 6'(job_i.tpl_x[ShiftW-1:0]),
           words_in: tpl_words_q,
           words_out: word_of(10'(width_q)),
-          rows: 10'(job_i.height) - 1'b1
+          rows: 10'(height_q)
       };
   assign search_o = '{
           addr: search_addr_q,
