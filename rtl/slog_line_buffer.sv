@@ -35,9 +35,9 @@ module slog_line_buffer #(
   logic [ColW-1:0]    col_q, col_q2;
   logic [7:0]         px_q, px_q2, px_q3;
   logic [PosW-1:0]    pos_q2;
-  logic               bottom_q;
+  logic               bottom_q, bottom_q2;
   logic [DistW-1:0]   dist_q;
-  logic [Radius-1:0]  old_q2, old_q3, new_q2, new_q3;
+  logic [Radius-1:0]  beyond_q2, old_q3, new_q3;
   logic [PosW-3:0]    four_q3;
   logic [64*Banks-1:0]  lines_q3;
   logic [16*Banks-1:0]  edges_q3;
@@ -62,13 +62,13 @@ module slog_line_buffer #(
       col_q2 <= col_q;
       px_q2  <= px_q;
       pos_q2 <= bottom_q ? PosW'(Radius) + PosW'(dist_q) : PosW'(Radius) - PosW'(dist_q);
-      old_q2 <= bottom_q ? '0 : {Radius{1'b1}} << dist_q;
-      new_q2 <= bottom_q ? {Radius{1'b1}} << dist_q : '0;
+      beyond_q2 <= {Radius{1'b1}} << dist_q;
+      bottom_q2 <= bottom_q;
     end
     px_q3     <= px_q2;
     four_q3   <= pos_q2[PosW-1:2];
-    old_q3    <= old_q2;
-    new_q3    <= new_q2;
+    old_q3    <= bottom_q2 ? '0 : beyond_q2;
+    new_q3    <= bottom_q2 ? beyond_q2 : '0;
     window_q4 <= {px_q3, lines_q3};
     edge_q4   <= edges_q3[{four_q3, 3'b000}+:8];
     old_q4    <= old_q3;

@@ -63,18 +63,19 @@ module slog_video_in #(
     endcase
   endfunction
 
-  logic [9:0] col_last_q, col_third_q, row_last_q;  // last column and row; last column but two
+  logic [9:0] col_last_q, col_second_q, col_third_q, row_last_q;  // last column and row; last column but one and two
   always_ff @(posedge clk_i) begin
-    col_last_q  <= width_i - 10'd1;
-    col_third_q <= width_i - 10'd3;
-    row_last_q  <= height_i - 10'd1;
+    col_last_q   <= width_i - 10'd1;
+    col_second_q <= width_i - 10'd2;
+    col_third_q  <= width_i - 10'd3;
+    row_last_q   <= height_i - 10'd1;
   end
 
   // ---- Receiver: judges every beat. Its verdicts (event_*) reach the scheduler one clock later.
   logic active_q, closed_q;  // in a frame; between frames. Neither: pixels are ignored
   logic full_q;              // the ring has no room
   logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
-  logic at_end_q;            // the next pixel is a line's last
+  logic at_end_q;            // the next pixel is a line's last, in a frame
   logic last_row_q;          // the line received is a frame's last
   logic beat, good_end, kill, wr_en, active;
   logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
@@ -83,7 +84,7 @@ module slog_video_in #(
   assign tready_o = !full_q && !(hold_i && !active_q);
   assign beat     = tvalid_i && room_q && !(hold_i && outside_q);
   assign kill     = beat && (active_q ? (tuser_i || (tlast_i != at_end_q)) : closed_q && !tuser_i);
-  assign good_end = tvalid_i && room_q && active_q && !tuser_i && tlast_i && at_end_q;
+  assign good_end = tvalid_i && room_q && at_end_q && !tuser_i && tlast_i;
   assign active   = !beat ? active_q : tuser_i ? !tlast_i : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
   assign wr_en    = beat && (tuser_i || active_q);
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
@@ -126,21 +127,20 @@ module slog_video_in #(
   always_ff @(posedge clk_i) begin
     wr_data_q <= tdata_i;
     event_last_q <= tlast_i;
-    if (beat) at_end_q <= near_end && !tuser_i;
+    if (beat) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
     end_0_q <= !event_start_q && (wr_en_q ? left_q == 10'd2 : left_q == 10'd1);
     end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
-    if (event_start_q) left_q <= col_last_q - 10'd1;
-    else if (event_commit_q) left_q <= col_last_q;
-    else if (wr_en_q) left_q <= left_q - 10'd1;
-    if (event_commit_q) wr_addr_q <= base(next_line(wr_line_q));
-    else if (event_start_q) wr_addr_q <= base(wr_line_q) + 1'b1;
-    else if (wr_en_q) wr_addr_q <= wr_addr_q + 1'b1;
+    if (wr_en_q) begin
+      left_q    <= event_start_q ? col_second_q : event_commit_q ? col_last_q : left_q - 10'd1;
+      wr_addr_q <= event_start_q ? base(wr_line_q) + 1'b1 : event_commit_q ? base(next_line(wr_line_q)) : wr_addr_q + 1'b1;
+    end
     if (event_start_q) wr_row_q <= '0;
     else if (event_commit_q) wr_row_q <= wr_row_q + 1'b1;
     last_row_q <= wr_row_q == row_last_q;
     if (event_start_q) first_row_q <= 1'b1;
     else if (event_commit_q) first_row_q <= 1'b0;
     if (rst_i) begin
+      at_end_q  <= 1'b0;
       wr_en_q   <= 1'b0;
       wr_line_q <= '0;
     end else begin
@@ -369,6 +369,7 @@ module slog_video_in #(
   `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
   `SLOG_ASSERT(SlogVideoInTake, take_q == (boundary_q && line_q[0].valid) && free_q == (boundary_q && !line_q[0].valid))
   `SLOG_ASSERT(SlogVideoInFill, fill_q == (out_active_q && !ended_q && !mid_frame_q))
+  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
   `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
   `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
   `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active && !ended_q && !out_kill))
