@@ -35,7 +35,7 @@ from sw.register import Registrar
 from sw.sources import Frame, Source, open_source
 from sw.survey.accuracy import ACCURACY, Track, judge, read_track, rows
 from sw.survey.georeference import Georeference, by_log, by_range
-from sw.survey.ledger import Settings
+from sw.survey.ledger import CURVED, Settings
 from sw.survey.shelf import Run, Shelf
 from sw.survey.survey import Survey
 from sw.survey.ways import WAYS
@@ -50,6 +50,7 @@ class Columns(StrEnum):
 
     auto = "auto"
     single = "single"
+    turned = "turned"
 
 
 @app.command()
@@ -64,7 +65,8 @@ def mosaic(
     calibration: CalibrationOption = None,
     columns: Annotated[Columns, typer.Option(
         "--columns", help="auto: any track, all neighbours linked and placed by least squares; single: each frame "
-        "against the one before only.")] = Columns.auto,
+        "against the one before only; turned: the camera turned in place, loops bend and are made to close.")
+                       ] = Columns.auto,
     range_m: Annotated[float | None, typer.Option(
         "--range", min=0.01, help="Metres from camera to seabed at the first frame: the mosaic gets a scale; needs "
         "--focal or --calibration.")] = None,
@@ -92,7 +94,7 @@ def mosaic(
     ground = _ground(range_m, focal, calibration, None if navigation is None else read_track(navigation, frames.label),
                      epsg)
     survey: Survey | None = None
-    settings = Settings(loops=columns is Columns.auto)
+    settings = CURVED if columns is Columns.turned else Settings(loops=columns is Columns.auto)
     every = LIVE_EVERY if live else float("inf")
     done = 0
     with board_of(board, window) as b:
@@ -137,7 +139,7 @@ def _resumes(asked: bool | None, output: Path, frames: Source, frame: Frame, win
     if asked is not None:
         return asked
     before = Shelf(output).described()
-    run = Run(frames.label, frame.size, not frames.snapshots, window, sigma, settings.loops)
+    run = Run(frames.label, frame.size, not frames.snapshots, window, sigma, settings.columns)
     if before is None or before[1] or before[0] != run:
         return False
     notes.print(f"{output}: going on with the survey interrupted there; --anew starts it again")

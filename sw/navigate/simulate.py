@@ -16,6 +16,7 @@ from sw.navigate.localise import Localiser, Place
 from sw.navigate.pilot import Aim, PanTiltSteering, Pilot
 from sw.navigate.truth import Array, Make, Taken, Truth, survey
 from sw.sources import Picture
+from sw.survey.ledger import CURVED
 from sw.world.camera import Pinhole
 from sw.world.seafloor import Seafloor
 from sw.world.vehicle import DOWN, PanTilt, Vehicle
@@ -85,7 +86,7 @@ class PanTiltSite:
 
     def survey(self, measurer: Make, out: Path, tell: Callable[[str], None] | None = None) -> Chart:
         """Sweep back and forth, and build the mosaic in `out`."""
-        return survey(measurer, self._sweep(), self.truth, out, tell)
+        return survey(measurer, self._sweep(), self.truth, out, tell, CURVED)
 
     def _take(self, head: PanTilt) -> Taken:
         sight = DOWN.sight(self.vehicle, head)

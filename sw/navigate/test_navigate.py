@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from itertools import combinations
 from pathlib import Path
 
 import cv2
@@ -19,6 +20,7 @@ from sw.navigate.chart import Chart, ChartError
 from sw.navigate.conformal import Conformal
 from sw.navigate.localise import ANY_HEADING, Limits, Localiser, Place
 from sw.navigate.pilot import Aim, PanTiltSteering, Pilot
+from sw.navigate.simulate import PanTiltSite, Scene
 from sw.navigate.vehicle import VehicleSteering
 from sw.sources import Fit
 from sw.world.seafloor import photograph
@@ -197,3 +199,22 @@ def test_the_command(floor: NDArray[np.uint8], tmp_path: Path) -> None:
     assert (float(aims[0]["right_px"]), float(aims[0]["down_px"])) == pytest.approx((150, 50), abs=1.5)
     page = (tmp_path / "out" / "report.html").read_text()
     assert "Mosaic navigation" in page and page.count("data:image/png") >= 2
+
+
+def test_a_pan_tilts_mosaic_is_bent_and_not_torn(tmp_path: Path) -> None:
+    """Neighbours of a sweep lie where they belong, though no loop on a sphere closes in the plane."""
+    site = PanTiltSite(Scene(photo="brick"))
+    board = GoldenBoard()
+    site.survey(lambda s, sigma: Measurer(board, s, sigma), tmp_path)
+    middle = (np.array(site.size) - 1) / 2
+    misses = []
+    for (pa, a), (pb, b) in combinations(site.truth.shots, 2):
+        way = pa.inverse(pb(middle)) - middle
+        if (np.abs(way) > 0.75 * np.array(site.size)).any():
+            continue
+        at = middle + way / 2
+        x, y = site.redrawn.pinhole(at)
+        ray = np.array([*((np.array([x, y]) - site.camera.centre) / site.camera.focal), 1.0])
+        point = a.sight.position + a.sight.rotation @ (float(a.depth[round(y), round(x)]) * ray)
+        misses.append(np.hypot(*(site.redrawn.pinhole(pb.inverse(pa(at))) - site.camera.project(b.sight, point)[0])))
+    assert len(misses) > 250 and max(misses) < 12 and np.median(misses) < 2

@@ -16,6 +16,7 @@ from sw.measure import Measurer
 from sw.navigate.chart import Chart
 from sw.register import Registrar
 from sw.sources import Fit, Frame, Picture
+from sw.survey.ledger import Settings
 from sw.survey.survey import Survey
 from sw.world.camera import Pinhole, Sight
 
@@ -62,8 +63,8 @@ class Truth:
         return np.asarray(shot.sight.position + shot.sight.rotation @ (z * ray), np.float64)
 
 
-def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell: Callable[[str], None] | None = None
-           ) -> Chart:
+def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell: Callable[[str], None] | None = None,
+           settings: Settings | None = None) -> Chart:
     """Build the mosaic of a simulated survey in `out`, as `signum mosaic` does, and fill in the truth's shots.
 
     Raises:
@@ -73,7 +74,7 @@ def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell
     made: Survey | None = None
     for k, shot in enumerate(taken):
         size = shot.picture.shape[1], shot.picture.shape[0]
-        made = made or Survey(Registrar.on(measurer, Fit(size, size), WINDOW, SIGMA), out)
+        made = made or Survey(Registrar.on(measurer, Fit(size, size), WINDOW, SIGMA), out, settings=settings)
         shots[str(k)] = shot
         made.add(Frame(str(k), shot.picture))
         if tell is not None:

@@ -36,7 +36,7 @@ TOGETHER = 4.0
 LEAST_SPREAD = 0.05
 """Spread given to links that did not measure rotation, as a fraction of the frame: enough to hold an angle."""
 ROBUST = 3.0
-"""Misfit at which a link has a quarter of its weight, in units of the usual misfit."""
+"""Default of `solve`'s `outvoted`."""
 TURNS = 40
 CONVERGED = 1e-3
 
@@ -107,7 +107,7 @@ def chain(first: str, links: Sequence[Link], order: Mapping[int, float] | None =
 
 
 def solve(first: str, links: Sequence[Link], size: tuple[int, int],
-          start: Mapping[str, Similarity] | None = None) -> Solution:
+          start: Mapping[str, Similarity] | None = None, outvoted: float = ROBUST) -> Solution:
     """Place all frames that hang together with the first.
 
     Args:
@@ -115,6 +115,7 @@ def solve(first: str, links: Sequence[Link], size: tuple[int, int],
         links: accepted ones.
         size: width and height of the frames, pixels.
         start: poses to begin with, where they are known; others follow from links.
+        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
     """
     tree = chain(first, links)
     if start and first in start:
@@ -134,7 +135,7 @@ def solve(first: str, links: Sequence[Link], size: tuple[int, int],
         claimed = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) * system.precision / 4)
         usual = max(1.0, float(np.median(claimed)) / 0.92) if system.redundant else 1.0
         # Begin with nothing outvoted: weights need poses that are about right.
-        robust = 1 / (1 + (claimed / (ROBUST * usual)) ** 2) ** 2 if turn > 1 and system.redundant else robust
+        robust = 1 / (1 + (claimed / (outvoted * usual)) ** 2) ** 2 if turn > 1 and system.redundant else robust
         power = np.repeat(system.precision * robust, 2)
         weighted = matrix.conj().T.multiply(power).tocsc()
         factor = splu(csc_matrix(weighted @ matrix))

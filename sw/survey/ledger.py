@@ -11,7 +11,7 @@ from pathlib import Path
 from sw.geometry import IDENTITY, Similarity
 from sw.mosaic import Settings as ColumnSettings
 from sw.register import Prepared, Registrar
-from sw.survey.graph import Solution
+from sw.survey.graph import ROBUST, Solution
 from sw.survey.graph import solve as place_all
 from sw.survey.links import LINKS, LIVE, Link
 from sw.survey.shelf import Shelf
@@ -31,6 +31,8 @@ class Settings(ColumnSettings):
         agreed: least number of them.
         gate: by how many standard deviations of the prediction a proposed link may miss it.
         relief: by which share of the frame's longer side more it may miss it: relief moves what is seen.
+        twist_deg: by which rotation it may miss it.
+        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
         farthest: pixels of the board searched around a prediction; where more would be needed, the whole frame is.
         joins: frames of other pieces tried for each stored one.
     """
@@ -43,8 +45,20 @@ class Settings(ColumnSettings):
     agreed: int = 6
     gate: float = 4.0
     relief: float = 0.02
+    twist_deg: float = 6.0
+    outvoted: float = ROBUST
     farthest: int = 64
     joins: int = 6
+
+    @property
+    def columns(self) -> str:
+        """These settings in a word: single, auto or turned."""
+        return ("auto" if self.outvoted == ROBUST else "turned") if self.loops else "single"
+
+
+CURVED = Settings(relief=0.15, twist_deg=20.0, share=0.5, outvoted=9.0)
+"""For a camera that turns in place: its mosaic is a sphere drawn flat, which closes no loop. What every loop misses is
+spread over all links; with `Settings()` the mosaic would lie flat in parts and be torn between them."""
 
 
 @dataclass
@@ -147,7 +161,8 @@ class Ledger:
 
     def solve(self, piece: Piece) -> None:
         """Place the frames of a piece by all its links."""
-        piece.solution = place_all(piece.stored[0], self.links_of(piece), self.size, piece.places)
+        links = self.links_of(piece)
+        piece.solution = place_all(piece.stored[0], links, self.size, piece.places, self.settings.outvoted)
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
@@ -161,7 +176,7 @@ class Ledger:
         start = {name: early.places[name] for name in early.stored if name not in late.places}
         # The one whose frames are still coming stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
-        early.solution = place_all(early.stored[0], self.links_of(early), self.size, start)
+        early.solution = place_all(early.stored[0], self.links_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]

@@ -107,7 +107,7 @@ class Loops:
             turned = abs((result.similarity @ predicted.inverse).rot_deg)
             if result.agreed < max(self._settings.share * result.tried, self._settings.agreed):
                 reason = f"only {result.agreed} of {result.tried} windows agree"
-            elif miss > slack or turned > 6:
+            elif miss > slack or turned > self._settings.twist_deg:
                 reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other links give it"
         return Link.of(a, b, kind, self._centre, result, reason)
 

@@ -45,7 +45,7 @@ class Run:
         size: width and height of the frames, pixels.
         stream: whether little moves between frames.
         window, sigma: of the registration.
-        loops: whether links beside the sequence are looked for.
+        columns: how links beside the sequence are looked for: single, auto or turned.
     """
 
     source: str
@@ -53,12 +53,12 @@ class Run:
     stream: bool
     window: int
     sigma: float
-    loops: bool
+    columns: str
 
     def differs(self, other: Run) -> str:
         """The first difference in words; empty if there is none. Where the frames come from may differ."""
         for name, flag in (("size", "frames of"), ("stream", "stream"), ("window", "--window"), ("sigma", "--sigma"),
-                           ("loops", "--columns")):
+                           ("columns", "--columns")):
             if getattr(self, name) != getattr(other, name):
                 return f"{flag} {getattr(self, name)} instead of {getattr(other, name)}"
         return ""

@@ -59,7 +59,7 @@ class Survey(Ledger):
         super().__init__(registrar, out, settings or Settings())
         self.stream = stream
         self._loops = Loops(self)
-        self.run = Run(source, self.size, stream, registrar.window, registrar.sigma, self.settings.loops)
+        self.run = Run(source, self.size, stream, registrar.window, registrar.sigma, self.settings.columns)
         self.done: set[str] = set()
         self.ground: Callable[[list[Pose], tuple[float, float]], Georeference | None] | None = None
         """Where on the ground a piece lies, from its poses and the frames' centre: for world files and GeoTIFF."""
