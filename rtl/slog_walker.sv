@@ -47,10 +47,11 @@ module slog_walker
   logic [5:0] passes_q, passes_next;
   logic [6:0] step_q;
   logic [RingW-1:0] ring_q;
-  logic go, pass_end, row_end, stepping, last, last_pass, waiting, more, again;
+  logic go, pass_end, reload, row_end, stepping, last, last_pass, waiting, more, again;
 
   assign go          = active_q && !waiting_q;
   assign pass_end    = stepping_q && last_q;
+  assign reload      = !waiting_q && (!active_q || last_q);
   assign row_end     = active_q && pass_end && last_pass_q;
   assign row_ready_o = !active_q || (pass_end && last_pass_q);
   assign gap_next    = gap_q - 1'b1;
@@ -100,7 +101,7 @@ module slog_walker
       row_q    <= row_i;
       paired_q <= !row_i.wide;
     end
-    if (!waiting_q && (!active_q || last_q)) passes_q <= again_q ? passes_next : row_i.passes;
+    if (reload) passes_q <= again_q ? passes_next : row_i.passes;
     if (!more_q) begin
       first_q <= 1'b1;
       step_q  <= '0;
@@ -140,7 +141,7 @@ module slog_walker
     end
   end
   always_ff @(posedge clk_i) begin
-    passed_q   <= pass_end || !active_q;
+    passed_q   <= reload;
     next_q     <= again_q;
     if (passed_q) chunk_q <= next_q ? chunk_q + 1'b1 : '0;
     free_to_q  <= row_q.free_to[RowW-1:0];
