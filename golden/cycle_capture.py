@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 FIFO_DEPTH = 4
-CHECK_CLOCKS = 3
+CHECK_CLOCKS = 5
 IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
 
 
@@ -15,6 +15,8 @@ class ChannelModel:
     def __init__(self, slot_words: int, words_per_row: int) -> None:
         self.slot_words, self.words_per_row = slot_words, words_per_row
         self.state, self.slot, self.check, self.was_valid, self.row, self.addr = IDLE, 0, 0, 0, 0, 0
+        self.busy = 0
+        self.clears = self.restores = self.finishes = False  # what the slot's valid bit hears in this clock
         self.fifo: deque[tuple[int, int]] = deque()
 
     @property
@@ -28,16 +30,22 @@ class ChannelModel:
         return self.state in (CHECK, WRITE, FINISH)
 
     def edge(self, *, rst: int, arm: bool, cancel: bool, slot: int, busy: int, valid: int, word: int | None, last: int,
-             start: int, done: int, abort: int, pop: bool) -> tuple[bool, bool, bool]:
-        """Take the clock edge; returns whether the frame starts, its slot is given back, or it is finished."""
-        starts = self.state == ARMED and bool(start) and not arm and not cancel
-        restores = self.state == CHECK and self.check == 0 and bool(busy) and bool(self.was_valid)
-        finishes = self.state == FINISH and not self.fifo
+             start: int, done: int, abort: int, pop: bool) -> None:
+        """Take the clock edge."""
+        starts = self.state == ARMED and bool(start) and not arm and not cancel and not rst
+        restores = (self.state == CHECK and self.check == 1 and bool(busy) and bool(self.was_valid) and not abort
+                    and not cancel and not rst)
+        if self.clears:
+            self.was_valid = valid
+        finished = self.finishes
+        finishes = self.state == FINISH and not self.fifo and not finished and not cancel and not rst
+        self.clears, self.restores, self.finishes = starts, restores, finishes
+        busy_before, self.busy = self.busy, busy
         push = word is not None and self.state == WRITE
         entry = (self.addr, word or 0)
         state, checked = self.state, self.check == 0
         if state == ARMED:
-            self.check, self.was_valid = CHECK_CLOCKS - 1, valid
+            self.check = CHECK_CLOCKS - 1
             self.row = self.addr = self.slot * self.slot_words
         else:
             self.check = max(self.check - 1, 0)
@@ -57,10 +65,10 @@ class ChannelModel:
             if abort:
                 self.state = ARMED
             elif checked:
-                self.state = ARMED if busy else WRITE
+                self.state = ARMED if busy_before else WRITE
         elif state == WRITE:
             self.state = ARMED if abort else FINISH if done else WRITE
-        elif finishes:
+        elif finished:
             self.state = IDLE
         if arm:
             self.slot = slot
@@ -71,7 +79,6 @@ class ChannelModel:
                 self.fifo.popleft()
             if push:
                 self.fifo.append(entry)
-        return starts, restores, finishes
 
 
 class CaptureModel:
@@ -86,52 +93,64 @@ class CaptureModel:
         self.channels = [ChannelModel(slot_words, words_per_row) for _ in range(cameras)]
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
+        self.command: tuple[bool, int, int] | None = None  # of the clock before: cancel, camera, slot
 
     def outputs(self) -> dict[str, int | None]:
-        """Outputs of this clock: all come from registers."""
+        """Outputs of this clock: all come from registers, among them the command of the clock before."""
+        arm, cancel, refused = self._decide()
         return {
             "wr_valid_o": int(self.write is not None),
             "wr_addr_o": self.write[0] if self.write else None,
             "wr_data_o": self.write[1] if self.write else None,
             "slot_valid_o": self.slot_valid,
-            "armed_o": sum(ch.armed << c for c, ch in enumerate(self.channels)),
+            "armed_o": sum((arm == c or (ch.armed and cancel != c)) << c for c, ch in enumerate(self.channels)),
             "writing_o": sum(ch.writing << c for c, ch in enumerate(self.channels)),
-            "refused_o": self.refused,
+            "refused_o": refused,
             "done_o": self.done,
         }
+
+    def _decide(self) -> tuple[int | None, int | None, int]:
+        """The camera armed, the camera cancelled, whether the last command was refused."""
+        if self.command is None:
+            return None, None, self.refused
+        cancel, camera, slot = self.command
+        if cancel:
+            return None, camera, 0
+        taken = any(ch.writing if c == camera else ch.armed and ch.slot == slot
+                    for c, ch in enumerate(self.channels))
+        accept = slot < self.slots and camera < self.cameras and not taken
+        return (camera, None, 0) if accept else (None, None, 1)
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock, then the clock edge."""
         out = self.outputs()
-        camera, slot = i["cmd_camera_i"], i["cmd_slot_i"]
-        taken = any(ch.writing if c == camera else ch.armed and ch.slot == slot
-                    for c, ch in enumerate(self.channels))
-        accept = slot < self.slots and camera < self.cameras and not taken
-        command, cancel = bool(i["cmd_valid_i"]), bool(i["cmd_cancel_i"])
+        arm, cancel, refused = self._decide()
+        slot = self.command[2] if self.command else 0
         pops = next((c for c, ch in enumerate(self.channels) if ch.fifo), None)
         write = self.channels[pops].fifo[0] if pops is not None else None
         valid, any_done = self.slot_valid, False
         mask = (1 << self.group_bits) - 1
         for c, ch in enumerate(self.channels):
             held = ch.slot
-            starts, restores, finishes = ch.edge(
-                rst=i["rst_i"], arm=command and not cancel and camera == c and accept,
-                cancel=command and cancel and camera == c, slot=slot, busy=i["slot_busy_i"] >> held & 1,
+            if ch.clears:
+                valid &= ~(1 << held)
+            if ch.restores or ch.finishes:
+                valid |= 1 << held
+            any_done |= ch.finishes
+            ch.edge(
+                rst=i["rst_i"], arm=arm == c, cancel=cancel == c, slot=slot, busy=i["slot_busy_i"] >> held & 1,
                 valid=self.slot_valid >> held & 1,
                 word=(i["word_data_i"] >> c * self.group_bits) & mask if i["word_valid_i"] >> c & 1 else None,
                 last=i["word_last_i"] >> c & 1, start=i["frame_start_i"] >> c & 1, done=i["frame_done_i"] >> c & 1,
                 abort=i["frame_abort_i"] >> c & 1, pop=pops == c)
-            if starts:
-                valid &= ~(1 << held)
-            if restores or finishes:
-                valid |= 1 << held
-            any_done |= finishes
+        self.command = None
+        if i["cmd_valid_i"] and not i["rst_i"]:
+            self.command = bool(i["cmd_cancel_i"]), i["cmd_camera_i"], i["cmd_slot_i"]
         if i["rst_i"]:
             self.slot_valid, self.refused, self.done, self.write = 0, 0, 0, None
         else:
             self.slot_valid = 0 if i["clear_i"] else valid
-            if command:
-                self.refused = int(not cancel and not accept)
+            self.refused = refused
             self.done = int(any_done)
             self.write = write
         return out

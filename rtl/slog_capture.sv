@@ -4,7 +4,8 @@
 // slot the other camera holds, or a camera that is writing. An armed request that has not begun may be replaced.
 // A cancelled frame, an aborted frame and clear_i leave their slots invalid.
 //
-// Latency    : word to store write 2 clocks, more when both cameras bring words at once (camera 0 goes first).
+// Latency    : word to store write 2 clocks, more when both cameras bring words at once (camera 0 goes first); the slot
+//              is valid 3 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(
@@ -38,31 +39,54 @@ module slog_capture #(
     output logic                              refused_o,       // the last command was refused
     output logic                              done_o           // pulse: a slot became valid
 );
-  logic [Cameras-1:0] arm, cancel, start, restore, finish, out_valid, out_ready;
+  logic [Cameras-1:0] clear, set, finish, out_valid, out_ready;
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Cameras-1:0] pushed;
+  /* verilator lint_on UNUSEDSIGNAL */
   logic [Cameras-1:0][2:0] slot;
+  logic [Cameras-1:0][7:0] slot_mask;
   logic [Cameras-1:0][AddrW-1:0] out_addr;
   logic [Cameras-1:0][GroupBits-1:0] out_data;
   logic [7:0] slot_valid_d, slot_valid_q;
-  logic slot_good, slot_taken, camera_good, accept, refused_q, done_q;
+  logic refused, refused_q, done_q;
   logic wr_valid_q;
   logic [AddrW-1:0] wr_addr_q;
   logic [GroupBits-1:0] wr_data_q;
 
-  assign slot_good   = 4'(cmd_slot_i) < 4'(Slots);
-  assign camera_good = 32'(cmd_camera_i) < Cameras;
-  assign accept      = slot_good && camera_good && !slot_taken;
-
-  always_comb begin
-    slot_taken = 1'b0;
+  // The command, a clock old, and whether the other camera holds its slot. It asks for a camera unless its slot is not there.
+  logic [Cameras-1:0] ask_q, cancel_q, arm, held, same_q;
+  logic [2:0] cmd_slot_q;
+  logic cmd_valid_q, cmd_arms_q;
+  always_ff @(posedge clk_i) begin
+    cmd_slot_q <= cmd_slot_i;
+    cmd_arms_q <= !cmd_cancel_i;
     for (int unsigned c = 0; c < Cameras; c++) begin
-      if (32'(cmd_camera_i) == c) slot_taken |= writing_o[c];
-      else slot_taken |= armed_o[c] && slot[c] == cmd_slot_i;
+      same_q[c] <= 1'b0;
+      for (int unsigned o = 0; o < Cameras; o++) begin
+        if (o != c) same_q[c] <= arm[o] ? cmd_slot_q == cmd_slot_i : slot[o] == cmd_slot_i;
+      end
     end
-    for (int unsigned c = 0; c < Cameras; c++) begin
-      arm[c]    = cmd_valid_i && !cmd_cancel_i && 32'(cmd_camera_i) == c && accept;
-      cancel[c] = cmd_valid_i && cmd_cancel_i && 32'(cmd_camera_i) == c;
+    if (rst_i) begin
+      cmd_valid_q <= 1'b0;
+      ask_q       <= '0;
+      cancel_q    <= '0;
+    end else begin
+      cmd_valid_q <= cmd_valid_i;
+      for (int unsigned c = 0; c < Cameras; c++) begin
+        ask_q[c]    <= cmd_valid_i && !cmd_cancel_i && 32'(cmd_camera_i) == c && 4'(cmd_slot_i) < 4'(Slots);
+        cancel_q[c] <= cmd_valid_i && cmd_cancel_i && 32'(cmd_camera_i) == c;
+      end
     end
   end
+
+  always_comb begin
+    arm = ask_q & ~writing_o;
+    for (int unsigned c = 0; c < Cameras; c++) begin
+      for (int unsigned o = 0; o < Cameras; o++) if (o != c && held[o] && same_q[c]) arm[c] = 1'b0;
+    end
+  end
+
+  assign refused = cmd_valid_q ? cmd_arms_q && arm == '0 : refused_q;
 
   for (genvar c = 0; c < Cameras; c++) begin : g_channel
     slog_capture_channel #(
@@ -74,25 +98,28 @@ module slog_capture #(
         .clk_i,
         .rst_i,
         .arm_i        (arm[c]),
-        .cancel_i     (cancel[c]),
-        .slot_i       (cmd_slot_i),
-        .slot_busy_i  (slot_busy_i[slot[c]]),
-        .slot_valid_i (slot_valid_q[slot[c]]),
+        .cancel_i     (cancel_q[c]),
+        .slot_i       (cmd_slot_q),
+        .slot_busy_i  ((slot_busy_i & slot_mask[c]) != '0),
+        .slot_valid_i ((slot_valid_q & slot_mask[c]) != '0),
         .word_valid_i (word_valid_i[c]),
         .word_data_i  (word_data_i[c]),
         .word_last_i  (word_last_i[c]),
         .frame_start_i(frame_start_i[c]),
         .frame_done_i (frame_done_i[c]),
         .frame_abort_i(frame_abort_i[c]),
+        .pushed_o     (pushed[c]),
         .wr_valid_o   (out_valid[c]),
         .wr_ready_i   (out_ready[c]),
         .wr_addr_o    (out_addr[c]),
         .wr_data_o    (out_data[c]),
         .slot_o       (slot[c]),
+        .slot_mask_o  (slot_mask[c]),
         .armed_o      (armed_o[c]),
+        .held_o       (held[c]),
         .writing_o    (writing_o[c]),
-        .start_o      (start[c]),
-        .restore_o    (restore[c]),
+        .clear_o      (clear[c]),
+        .set_o        (set[c]),
         .finish_o     (finish[c])
     );
   end
@@ -100,8 +127,8 @@ module slog_capture #(
   always_comb begin
     slot_valid_d = slot_valid_q;
     for (int unsigned c = 0; c < Cameras; c++) begin
-      if (start[c]) slot_valid_d[slot[c]] = 1'b0;
-      if (restore[c] || finish[c]) slot_valid_d[slot[c]] = 1'b1;
+      if (clear[c]) slot_valid_d &= ~slot_mask[c];
+      if (set[c]) slot_valid_d |= slot_mask[c];
     end
     if (clear_i) slot_valid_d = '0;
   end
@@ -121,18 +148,19 @@ module slog_capture #(
       wr_valid_q   <= 1'b0;
     end else begin
       slot_valid_q <= slot_valid_d;
-      if (cmd_valid_i) refused_q <= !cmd_cancel_i && !accept;
+      refused_q    <= refused;
       done_q     <= finish != '0;
       wr_valid_q <= out_valid != '0;
     end
   end
 
+  // Camera 0's words wait for nothing.
   always_ff @(posedge clk_i) begin
-    for (int unsigned c = 0; c < Cameras; c++) begin
-      if (out_ready[c]) begin
-        wr_addr_q <= out_addr[c];
-        wr_data_q <= out_data[c];
-      end
+    wr_addr_q <= out_addr[Cameras-1];
+    wr_data_q <= out_data[Cameras-1];
+    if (pushed[0]) begin
+      wr_addr_q <= out_addr[0];
+      wr_data_q <= out_data[0];
     end
   end
 
@@ -140,8 +168,10 @@ module slog_capture #(
   assign wr_addr_o    = wr_addr_q;
   assign wr_data_o    = wr_data_q;
   assign slot_valid_o = slot_valid_q;
-  assign refused_o    = refused_q;
+  assign refused_o    = refused;
   assign done_o       = done_q;
 
   `SLOG_ASSERT_INIT(SlogCaptureSlots, Slots <= 8)
+  `SLOG_ASSERT_INIT(SlogCaptureCameras, Cameras <= 2)
+  `SLOG_ASSERT(SlogCaptureFirst, pushed[0] == out_valid[0])
 endmodule : slog_capture

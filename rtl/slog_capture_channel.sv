@@ -1,10 +1,10 @@
 // One camera's captures: writes the words of the next good frame after a request into the slot asked for.
 //
-// armed      : the next frame_start_i clears the slot's valid bit (start_o).
-// check      : CheckClocks after that the slot must not be in use by the correlator any more; else this frame is given up
-//              (restore_o puts the valid bit back) and the request waits for the next one.
+// armed      : after the next frame_start_i the slot's valid bit is cleared (clear_o).
+// check      : CheckClocks later the slot must not be in use by the correlator any more; else this frame is given up (set_o
+//              puts the valid bit back) and the request waits for the next one.
 // write      : words go to consecutive addresses, each row at a multiple of WordsPerRow; frame_abort_i goes back to armed.
-// finish     : after frame_done_i, when the last word is on its way to the store, finish_o sets the valid bit.
+// finish     : after frame_done_i, when the last word is on its way to the store, set_o sets the valid bit (finish_o).
 //
 // Latency    : a word leaves in the clock after it came when the store is free.
 // Throughput : a word per clock in, as fast out as the store takes it; FifoDepth covers two cameras' narrow row ends.
@@ -21,89 +21,114 @@ module slog_capture_channel #(
     input  logic                 arm_i,           // take slot_i as the request; not while writing_o
     input  logic                 cancel_i,
     input  logic [2:0]           slot_i,
-    input  logic                 slot_busy_i,     // slot_o is being read
-    input  logic                 slot_valid_i,    // slot_o holds a frame
+    input  logic                 slot_busy_i,     // slot_mask_o's is being read
+    input  logic                 slot_valid_i,    // slot_mask_o's holds a frame
     input  logic                 word_valid_i,
     input  logic [GroupBits-1:0] word_data_i,
     input  logic                 word_last_i,
     input  logic                 frame_start_i,
     input  logic                 frame_done_i,
     input  logic                 frame_abort_i,
+    output logic                 pushed_o,        // a word came in the clock before
     output logic                 wr_valid_o,
     input  logic                 wr_ready_i,
     output logic [AddrW-1:0]     wr_addr_o,
     output logic [GroupBits-1:0] wr_data_o,
     output logic [2:0]           slot_o,
-    output logic                 armed_o,         // a request waits or is being served
+    output logic [7:0]           slot_mask_o,     // the same one-hot, a clock later
+    output logic                 armed_o,         // a request waits or is being served, with this clock's command in it
+    output logic                 held_o,          // ... without
     output logic                 writing_o,       // from frame start to finish
-    output logic                 start_o,
-    output logic                 restore_o,
-    output logic                 finish_o
+    output logic                 clear_o,         // slot_mask_o's valid bit is to be cleared
+    output logic                 set_o,           // ... set
+    output logic                 finish_o         // ... set for a new frame
 );
   localparam int unsigned FifoDepth = 4;
   localparam int unsigned LevelW = $clog2(FifoDepth + 1);
-  localparam logic [1:0] CheckClocks = 2'd3;
-  typedef enum logic [2:0] {Idle, Armed, Check, Write, Finish} state_e;
+  // The slot shows as invalid from the second; what the correlator reads is looked at in the last but one.
+  localparam logic [2:0] CheckClocks = 3'd5;
 
-  state_e state_q;
-  logic [2:0] slot_q;
-  logic [1:0] check_q;
-  logic was_valid_q, push, ready;
-  logic [AddrW-1:0] row_q, addr_q, slot_base;
+  logic wait_q, checking_q, writing_q, finishing_q;  // one at most; none: idle
+  logic held_q;                                      // any of them
+  logic serving_q;                                   // any but the first
+  logic pass_q, give_q;                              // a check ends in this clock: the frame is written, or given up
+  logic [2:0] slot_q, slot_q2, check_q;
+  logic [7:0] slot_mask_q;
+  logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, pushed_q, start, back, push, ready;
+  logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
+  /* verilator lint_off UNUSEDSIGNAL */
   logic [LevelW-1:0] level;
+  /* verilator lint_on UNUSEDSIGNAL */
 
-  assign push      = word_valid_i && state_q == Write;
-  assign start_o   = state_q == Armed && frame_start_i && !arm_i && !cancel_i;
-  assign restore_o = state_q == Check && check_q == '0 && slot_busy_i && was_valid_q;
-  assign finish_o  = state_q == Finish && level == '0;
-  assign slot_o    = slot_q;
-  assign armed_o   = state_q != Idle;
-  assign writing_o = state_q == Check || state_q == Write || state_q == Finish;
+  assign push        = word_valid_i && writing_q;
+  assign start       = wait_q && frame_start_i && !arm_i && !cancel_i;
+  assign judge       = check_q == 3'd1;
+  assign back        = (checking_q && (give_q || frame_abort_i)) || (writing_q && frame_abort_i);
+  assign restore     = judge && checking_q && slot_busy_i && was_valid_q && !frame_abort_i && !cancel_i;
+  assign finish      = finishing_q && !wr_valid_o && !finish_q && !cancel_i;
+  assign clear_o     = clear_q;
+  assign set_o       = set_q;
+  assign finish_o    = finish_q;
+  assign slot_o      = slot_q;
+  assign slot_mask_o = slot_mask_q;
+  assign pushed_o    = pushed_q;
+  assign armed_o     = !cancel_i && (arm_i || held_q);
+  assign held_o      = held_q;
+  assign writing_o   = serving_q;
 
   always_comb begin
     slot_base = '0;
     for (int unsigned s = 0; s < Slots; s++) begin
-      if (slot_q == 3'(s)) slot_base = AddrW'(s * SlotWords);
+      if (slot_q2 == 3'(s)) slot_base = AddrW'(s * SlotWords);
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      state_q <= Idle;
-    end else if (cancel_i) begin
-      state_q <= Idle;
-    end else if (arm_i) begin
-      state_q <= Armed;
+      held_q      <= 1'b0;
+      serving_q   <= 1'b0;
+      wait_q      <= 1'b0;
+      checking_q  <= 1'b0;
+      writing_q   <= 1'b0;
+      finishing_q <= 1'b0;
+      clear_q     <= 1'b0;
+      pass_q      <= 1'b0;
+      give_q      <= 1'b0;
+      set_q       <= 1'b0;
+      finish_q    <= 1'b0;
     end else begin
-      unique case (state_q)
-        Armed: if (frame_start_i) state_q <= Check;
-        Check: begin
-          if (frame_abort_i) state_q <= Armed;
-          else if (check_q == '0) state_q <= slot_busy_i ? Armed : Write;
-        end
-        Write: begin
-          if (frame_abort_i) state_q <= Armed;
-          else if (frame_done_i) state_q <= Finish;
-        end
-        Finish: if (level == '0) state_q <= Idle;
-        default: state_q <= Idle;
-      endcase
+      held_q      <= !cancel_i && (arm_i || (held_q && !finish_q));
+      serving_q   <= start || (serving_q && !back && !finish_q && !cancel_i);
+      wait_q      <= !cancel_i && (arm_i || back || (wait_q && !frame_start_i));
+      checking_q  <= start || (checking_q && !back && !pass_q && !cancel_i);
+      writing_q   <= !frame_abort_i && !cancel_i && ((checking_q && pass_q) || (writing_q && !frame_done_i));
+      finishing_q <= !cancel_i && ((writing_q && !frame_abort_i && frame_done_i) || (finishing_q && !finish_q));
+      clear_q     <= start;
+      pass_q      <= judge && !slot_busy_i;
+      give_q      <= judge && slot_busy_i;
+      set_q       <= restore || finish;
+      finish_q    <= finish;
     end
   end
 
+  // A frame's words come many clocks after its slot's base is known.
   always_ff @(posedge clk_i) begin
     if (arm_i) slot_q <= slot_i;
-    if (state_q == Armed) begin
-      check_q     <= CheckClocks - 2'd1;
-      was_valid_q <= slot_valid_i;
-      row_q       <= slot_base;
-      addr_q      <= slot_base;
-    end else begin
-      if (check_q != '0) check_q <= check_q - 1'b1;
-      if (push) begin
-        addr_q <= word_last_i ? row_q + AddrW'(WordsPerRow) : addr_q + 1'b1;
-        if (word_last_i) row_q <= row_q + AddrW'(WordsPerRow);
-      end
+    slot_q2     <= slot_q;
+    slot_mask_q <= 8'd1 << slot_q;
+    base_q      <= slot_base;
+    base_row_q  <= slot_base + AddrW'(WordsPerRow);
+    if (clear_q) was_valid_q <= slot_valid_i;
+    if (wait_q) check_q <= CheckClocks - 3'd1;
+    else if (check_q != '0) check_q <= check_q - 1'b1;
+    load_q <= !writing_q;
+    pushed_q <= push && ready;
+    if (load_q) begin
+      addr_q     <= base_q;
+      next_row_q <= base_row_q;
+    end else if (word_valid_i) begin
+      addr_q <= word_last_i ? next_row_q : addr_q + 1'b1;
+      if (word_last_i) next_row_q <= next_row_q + AddrW'(WordsPerRow);
     end
   end
 
@@ -123,6 +148,9 @@ module slog_capture_channel #(
   );
 
   `SLOG_ASSERT(SlogCaptureRoom, push |-> ready)
-  `SLOG_ASSERT(SlogCaptureNoEarlyWord, state_q == Check |-> !word_valid_i)
+  `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_valid_i)
   `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i |-> !writing_o)
+  `SLOG_ASSERT(SlogCaptureStates, $onehot0({wait_q, checking_q, writing_q, finishing_q}))
+  `SLOG_ASSERT(SlogCaptureServing, serving_q == (checking_q || writing_q || finishing_q) &&
+                                   held_q == (wait_q || serving_q))
 endmodule : slog_capture_channel
