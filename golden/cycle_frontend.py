@@ -78,7 +78,7 @@ class VideoInModel:
         self.frame = _Frame()
         self.line = _Line(self.frame, 0, [])
         self.event = _Event()
-        self.owed = 0
+        self.owed, self.dropped = 0, 0
         self.ring: deque[_Line] = deque()
         self.tick: _Tick | None = None
         self.read: _Line | None = None
@@ -99,7 +99,7 @@ class VideoInModel:
         out: Bits = {
             "tready_o": int(ready), **self.px, "px_valid_o": shown.valid, "px_data_o": self.data,
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
-            "px_abort_o": shown.abort, "accepted_o": self.accepted, "dropped_o": int(event.drops > 0 or self.owed > 0),
+            "px_abort_o": shown.abort, "accepted_o": self.accepted, "dropped_o": self.dropped,
             "busy_o": int(self.state == "active" or event.commit is not None or bool(self.ring) or
                           self.tick is not None or self.out is not None or
                           any(p.valid or p.abort for p in self.pipe))}
@@ -108,6 +108,7 @@ class VideoInModel:
         if i["rst_i"]:
             self._reset()
             return out
+        self.dropped = int(event.drops > 0 or self.owed > 0)
         self.owed = max(0, self.owed + event.drops - 1)
         killed = event.kill
         issue = self._issue(i, killed)
@@ -243,6 +244,7 @@ class FrontendModel:
         self.video = VideoInModel(radius)
         self.log = LogModel(max_width, radius)
         self.packer = PackerModel(group_bits)
+        self.busy = 0
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -251,6 +253,7 @@ class FrontendModel:
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})
-        busy = video["busy_o"] or bit["busy_o"] or word["word_valid_o"] or word["frame_abort_o"]
-        return {"tready_o": video["tready_o"], "busy_o": int(bool(busy)), **word,
+        busy, now = self.busy, video["busy_o"] or bit["busy_o"] or word["word_valid_o"] or word["frame_abort_o"]
+        self.busy = int(bool(now) and not i["rst_i"])
+        return {"tready_o": video["tready_o"], "busy_o": busy, **word,
                 "accepted_o": video["accepted_o"], "dropped_o": video["dropped_o"]}

@@ -5,7 +5,8 @@
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
-// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out.
+// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out. busy_o shows
+//              a frame from 2 clocks after its first beat to 1 after its end, so hold_i must have been up for a while.
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
     parameter int unsigned Radius    = 8,
@@ -122,5 +123,10 @@ module slog_frontend #(
       .frame_abort_o
   );
 
-  assign busy_o = video_busy || log_busy || word_valid_o || frame_abort_o;
+  logic busy_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) busy_q <= 1'b0;
+    else busy_q <= video_busy || log_busy || word_valid_o || frame_abort_o;
+  end
+  assign busy_o = busy_q;
 endmodule : slog_frontend

@@ -4,7 +4,7 @@
 // the pixel of the image's border row in this column; beyond_old_o / beyond_new_o say which pixels lie past that row
 // (bit d - 1: distance d from the centre, on the older / newer side), to be replaced by it.
 //
-// Stages     : 1, 2 line memory read    3 edge: one of eight, in each bank    4 edge: one of the banks
+// Stages     : 1, 2 line memory read    3 edge: one of four, twice in each bank    4 edge: one of those
 // Latency    : 4 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window; in other clocks it is anything.
 // Throughput : one pixel per clock; a column comes again after 3 clocks at the earliest.
 // Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
@@ -34,11 +34,13 @@ module slog_line_buffer #(
   logic [1:0]         valid_q;
   logic [ColW-1:0]    col_q, col_q2;
   logic [7:0]         px_q, px_q2, px_q3;
-  logic [PosW-1:0]    pos_q, pos_q2;
-  logic [Radius-1:0]  old_q, old_q2, old_q3, new_q, new_q2, new_q3;
-  logic [PosW-4:0]    bank_q3;
+  logic [PosW-1:0]    pos_q2;
+  logic               bottom_q, bottom_q2;
+  logic [DistW-1:0]   dist_q;
+  logic [Radius-1:0]  beyond_q2, old_q3, new_q3;
+  logic [PosW-3:0]    four_q3;
   logic [64*Banks-1:0]  lines_q3;
-  logic [8*Banks-1:0]   edges_q3;
+  logic [16*Banks-1:0]  edges_q3;
   logic [Taps-1:0][7:0] window_q4;
   logic [7:0]           edge_q4;
   logic [Radius-1:0]    old_q4, new_q4;
@@ -51,25 +53,24 @@ module slog_line_buffer #(
   // The border row is never the newest line, so it lies in one of the banks.
   always_ff @(posedge clk_i) begin
     if (valid_i) begin
-      col_q <= col_i;
-      px_q  <= px_i;
-      pos_q <= bottom_i ? PosW'(Radius) + PosW'(dist_i) : PosW'(Radius) - PosW'(dist_i);
-      old_q <= bottom_i ? '0 : {Radius{1'b1}} << dist_i;
-      new_q <= bottom_i ? {Radius{1'b1}} << dist_i : '0;
+      col_q    <= col_i;
+      px_q     <= px_i;
+      bottom_q <= bottom_i;
+      dist_q   <= dist_i;
     end
     if (valid_q[0]) begin
       col_q2 <= col_q;
       px_q2  <= px_q;
-      pos_q2 <= pos_q;
-      old_q2 <= old_q;
-      new_q2 <= new_q;
+      pos_q2 <= bottom_q ? PosW'(Radius) + PosW'(dist_q) : PosW'(Radius) - PosW'(dist_q);
+      beyond_q2 <= {Radius{1'b1}} << dist_q;
+      bottom_q2 <= bottom_q;
     end
     px_q3     <= px_q2;
-    bank_q3   <= pos_q2[PosW-1:3];
-    old_q3    <= old_q2;
-    new_q3    <= new_q2;
+    four_q3   <= pos_q2[PosW-1:2];
+    old_q3    <= bottom_q2 ? '0 : beyond_q2;
+    new_q3    <= bottom_q2 ? beyond_q2 : '0;
     window_q4 <= {px_q3, lines_q3};
-    edge_q4   <= edges_q3[{bank_q3, 3'b000}+:8];
+    edge_q4   <= edges_q3[{four_q3, 3'b000}+:8];
     old_q4    <= old_q3;
     new_q4    <= new_q3;
   end
@@ -98,13 +99,13 @@ module slog_line_buffer #(
     );
 
     logic [63:0] bank_lines_q3;
-    logic [7:0]  bank_edge_q3;
+    logic [15:0] bank_edge_q3;
     always_ff @(posedge clk_i) begin
       bank_lines_q3 <= lines;
-      bank_edge_q3  <= lines[{pos_q2[2:0], 3'b000}+:8];
+      bank_edge_q3  <= {lines[{1'b1, pos_q2[1:0], 3'b000}+:8], lines[{1'b0, pos_q2[1:0], 3'b000}+:8]};
     end
     assign lines_q3[64*b+:64] = bank_lines_q3;
-    assign edges_q3[8*b+:8]   = bank_edge_q3;
+    assign edges_q3[16*b+:16] = bank_edge_q3;
   end
 
   assign window_o     = window_q4;

@@ -49,7 +49,7 @@ module slog_taps #(
       last_q  <= valid_i && last_i;
       old_q   <= first_q[Radius-1] ? '1 : old_q << 1;
       if (last_q) new_q <= {1'b1, {(Radius - 1) {1'b0}}};
-      else new_q <= (new_q == '1) ? '0 : {new_q[Radius-1], new_q[Radius-1:1]};
+      else new_q <= new_q[0] ? '0 : {new_q[Radius-1], new_q[Radius-1:1]};  // it fills up from the top
     end
   end
 

@@ -4,8 +4,9 @@
 // behind works on uninterrupted lines. Output row r of a frame is computed while row r + Radius is issued. A frame's
 // last Radius rows come out under the next frame's first lines or, while no frame is received, under filler lines.
 //
-// Stages     : 1 beat judged and written    2 line event    3 line started    4, 5 ring read
+// Stages     : 1 beat judged    2 line event, pixel written    3 line started    4, 5 ring read
 // Latency    : last pixel of a line accepted in clock t: its first pixel comes (px_valid_o) in clock t + 5, if idle.
+//              dropped_o comes 2 clocks after the beat that tells.
 // Throughput : one pixel per clock, no blanking. tready_o is low only while the ring is full or,
 //              between frames, in hold_i.
 // Frames     : a line that ends early or late, a start of frame before the last line's end, a pixel without start of
@@ -50,8 +51,6 @@ module slog_video_in #(
   localparam int unsigned Depth = Lines * MaxWidth;
   localparam int unsigned AddrW = $clog2(Depth);
 
-  typedef enum logic [1:0] {StClosed, StActive, StIgnore} state_e;
-
   function automatic logic [1:0] next_line(logic [1:0] line);
     return (line == 2'(Lines - 1)) ? '0 : line + 1'b1;
   endfunction
@@ -64,178 +63,251 @@ module slog_video_in #(
     endcase
   endfunction
 
-  // ---- Receiver: judges every beat. Its verdicts (event_*) reach the scheduler one clock later.
-  state_e           state_q;
-  logic [9:0]       wr_col_q, wr_row_q, col_last_q, row_last_q;
-  logic [1:0]       wr_line_q;
-  logic [AddrW-1:0] wr_addr_q, wr_addr;
-  logic beat, at_end, good_end, kill, wr_en;
-  logic event_commit_q, event_first_q, event_kill_q, event_start_q, event_drop_q, event_drop2_q, drop_owed_q;
-  logic [1:0]       event_line_q;
+  logic [9:0] col_last_q, col_second_q, col_third_q, row_last_q;  // last column and row; last column but one and two
+  always_ff @(posedge clk_i) begin
+    col_last_q   <= width_i - 10'd1;
+    col_second_q <= width_i - 10'd2;
+    col_third_q  <= width_i - 10'd3;
+    row_last_q   <= height_i - 10'd1;
+  end
 
-  assign beat     = tvalid_i && tready_o;
-  assign at_end   = wr_col_q == col_last_q;
-  assign kill     = beat && ((state_q == StActive) ? (tuser_i || (tlast_i != at_end))
-                                                   : (state_q == StClosed) && !tuser_i);
-  assign good_end = beat && (state_q == StActive) && !tuser_i && tlast_i && at_end;
-  assign wr_en    = beat && (tuser_i || (state_q == StActive));
-  assign wr_addr  = tuser_i ? base(wr_line_q) : wr_addr_q;
+  // ---- Receiver: judges every beat. Its verdicts (event_*) reach the scheduler one clock later.
+  logic active_q, closed_q;  // in a frame; between frames. Neither: pixels are ignored
+  logic full_q;              // the ring has no room
+  logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
+  logic at_end_q;            // the next pixel is a line's last, in a frame
+  logic last_row_q;          // the line received is a frame's last
+  logic beat, good_end, kill, wr_en, active;
+  logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
+  logic event_last_q;        // the beat ended a line
+
+  assign tready_o = !full_q && !(hold_i && !active_q);
+  assign beat     = tvalid_i && room_q && !(hold_i && outside_q);
+  assign kill     = beat && (active_q ? (tuser_i || (tlast_i != at_end_q)) : closed_q && !tuser_i);
+  assign good_end = tvalid_i && room_q && at_end_q && !tuser_i && tlast_i;
+  assign active   = !beat ? active_q : tuser_i ? !tlast_i
+                    : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
+  assign wr_en    = beat && (tuser_i || active_q);
+  // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
+  assign drop     = event_kill_q || (event_start_q && event_last_q);
 
   always_ff @(posedge clk_i) begin
-    col_last_q <= width_i - 1'b1;
-    row_last_q <= height_i - 1'b1;
-    if (good_end) wr_addr_q <= base(next_line(wr_line_q));
-    else if (wr_en) wr_addr_q <= wr_addr + 1'b1;
-    if (wr_en) wr_col_q <= good_end ? '0 : tuser_i ? 10'd1 : wr_col_q + 1'b1;
-    if (beat && tuser_i) wr_row_q <= '0;
-    else if (good_end) wr_row_q <= wr_row_q + 1'b1;
-    event_first_q <= wr_row_q == '0;
-    event_line_q  <= wr_line_q;
     if (rst_i) begin
-      state_q        <= StClosed;
-      wr_line_q      <= '0;
+      active_q       <= 1'b0;
+      outside_q      <= 1'b1;
+      closed_q       <= 1'b1;
       event_commit_q <= 1'b0;
       event_kill_q   <= 1'b0;
       event_start_q  <= 1'b0;
-      event_drop_q   <= 1'b0;
-      event_drop2_q  <= 1'b0;
       drop_owed_q    <= 1'b0;
+      dropped_q      <= 1'b0;
     end else begin
-      if (beat && tuser_i) state_q <= tlast_i ? StIgnore : StActive;
-      else if (kill) state_q <= StIgnore;
-      else if (good_end && wr_row_q == row_last_q) state_q <= StClosed;
-      if (good_end) wr_line_q <= next_line(wr_line_q);
+      active_q  <= active;
+      outside_q <= !active;
+      if (beat) closed_q <= active_q && !tuser_i && tlast_i && at_end_q && last_row_q;
       event_commit_q <= good_end;
       event_kill_q   <= kill;
       event_start_q  <= beat && tuser_i;
-      // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
-      event_drop_q   <= kill || (beat && tuser_i && tlast_i);
-      event_drop2_q  <= kill && tuser_i && tlast_i;
-      drop_owed_q    <= event_drop2_q || (event_drop_q && drop_owed_q);
+      drop_owed_q    <= (event_kill_q && event_start_q && event_last_q) || (drop && drop_owed_q);
+      dropped_q      <= drop || drop_owed_q;
     end
   end
-  assign dropped_o = event_drop_q || drop_owed_q;
+  assign dropped_o = dropped_q;
 
-  // ---- Ring: what each committed line is. "Current" is the frame whose start of frame came last.
-  logic [Lines-1:0] current_q, dead_q, first_q;
-  logic [Lines-1:0] current, dead;
-  logic [1:0]       level_q, rd_line_q;
-  logic             rd_active_q, rd_real_q;
-  logic             boundary, rd_last, take, start_line, start_filler;
+  // ---- Writer: one clock behind the beats. What it counts is needed again no sooner than in a line's next to last pixel.
+  logic [9:0]       left_q, wr_row_q;  // pixels of the line to come after the next one
+  logic             end_0_q, end_1_q;  // the next pixel is the last but one: if none comes in this clock; if one does
+  logic             near_end, first_row_q, wr_en_q;
+  logic [1:0]       wr_line_q;
+  logic [7:0]       wr_data_q;
+  logic [AddrW-1:0] wr_addr_q, wr_addr;
 
-  assign current  = event_start_q ? '0 : current_q;
-  assign dead     = event_kill_q ? dead_q | current_q : dead_q;
-  assign tready_o = (level_q + 2'(rd_active_q && rd_real_q) + 2'(event_commit_q) != 2'(Lines))
-                    && !(hold_i && state_q != StActive);
+  assign near_end = !event_start_q && (wr_en_q ? end_1_q : end_0_q);
+  assign wr_addr  = event_start_q ? base(wr_line_q) : wr_addr_q;
 
   always_ff @(posedge clk_i) begin
+    wr_data_q <= tdata_i;
+    event_last_q <= tlast_i;
+    if (beat) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
+    end_0_q <= !event_start_q && (wr_en_q ? left_q == 10'd2 : left_q == 10'd1);
+    end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
+    if (wr_en_q) begin
+      left_q    <= event_start_q ? col_second_q : event_commit_q ? col_last_q : left_q - 10'd1;
+      wr_addr_q <= event_start_q ? base(wr_line_q) + 1'b1
+                   : event_commit_q ? base(next_line(wr_line_q)) : wr_addr_q + 1'b1;
+    end
+    if (event_start_q) wr_row_q <= '0;
+    else if (event_commit_q) wr_row_q <= wr_row_q + 1'b1;
+    last_row_q <= wr_row_q == row_last_q;
+    if (event_start_q) first_row_q <= 1'b1;
+    else if (event_commit_q) first_row_q <= 1'b0;
     if (rst_i) begin
-      current_q <= '0;
-      dead_q    <= '0;
-      first_q   <= '0;
-      level_q   <= '0;
-      rd_line_q <= '0;
+      at_end_q  <= 1'b0;
+      wr_en_q   <= 1'b0;
+      wr_line_q <= '0;
     end else begin
-      current_q <= current;
-      dead_q    <= dead;
-      if (event_commit_q) begin
-        current_q[event_line_q] <= 1'b1;
-        dead_q[event_line_q]    <= 1'b0;
-        first_q[event_line_q]   <= event_first_q;
-      end
-      level_q <= level_q + 2'(event_commit_q) - 2'(take);
-      if (take) rd_line_q <= next_line(rd_line_q);
+      wr_en_q <= wr_en;
+      if (event_commit_q) wr_line_q <= next_line(wr_line_q);
+    end
+  end
+
+  // ---- Ring: what each committed line is, the oldest first. "Current" is the frame whose start of frame came last.
+  typedef struct packed {
+    logic valid;
+    logic current;
+    logic dead;
+    logic first;   // of its frame
+  } line_t;
+  line_t [Lines-1:0] line_q, line_d;
+  logic              head_current, head_dead;  // of the oldest, as it is in this clock
+  logic              boundary_q;    // no line is read, or its last pixel is
+  logic              along_q;       // the contrary
+  logic              take_q;        // at a boundary, and there is a line
+  logic              free_q;        // at a boundary, and there is none
+  logic              reading_q;     // a line of the ring is read
+  logic [1:0]        used_q, used_d;  // lines committed or being read
+  logic              start_line, full;
+
+  always_comb begin
+    for (int unsigned n = 0; n < Lines; n++) begin
+      line_t kept;
+      logic ahead;  // the place before holds a line
+      kept  = !take_q ? line_q[n] : (n + 1 < Lines) ? line_q[(n + 1) % Lines] : '0;
+      ahead = n == 0 || (take_q ? line_q[n].valid : line_q[(n + Lines - 1) % Lines].valid);
+      line_d[n].valid   = kept.valid || (event_commit_q && ahead);
+      line_d[n].current = !kept.valid || (kept.current && !event_start_q);
+      line_d[n].dead    = kept.valid && (kept.dead || (event_kill_q && kept.current));
+      line_d[n].first   = kept.valid ? kept.first : first_row_q;
+    end
+    head_current = line_q[0].current && !event_start_q;
+    head_dead    = line_q[0].dead || (event_kill_q && line_q[0].current);
+    full         = !(reading_q && boundary_q) && !(take_q && head_dead) && (full_q || (used_q == 2'd2 && good_end));
+    used_d       = used_q + 2'(good_end) - 2'(reading_q && boundary_q) - 2'(take_q && head_dead);
+  end
+
+  always_ff @(posedge clk_i) begin
+    line_q <= line_d;
+    if (rst_i) begin
+      used_q <= '0;
+      full_q <= 1'b0;
+      room_q <= 1'b1;
+      for (int unsigned n = 0; n < Lines; n++) line_q[n].valid <= 1'b0;
+    end else begin
+      used_q <= used_d;
+      full_q <= full;
+      room_q <= !full;
     end
   end
 
   // ---- Scheduler: at a line boundary a committed line, else a filler if a complete frame still has rows to give.
   logic [9:0]       rd_col_q, rd_row_q, out_left_q;
   logic [AddrW-1:0] rd_addr_q;
-  logic             rd_current_q, mid_frame_q;
-  logic             out_active_q, out_current_q, out_begin_q;
+  logic [1:0]       rd_line_q;
+  logic             rd_active_q, rd_current_q, rd_current, mid_frame_q, rd_first_q, next_last_q;
+  logic             lined_q, started_q, starts_q;      // a line, a line of the ring, a frame's first row out began
+  logic             head_first_q, head_current_q, head_last_q;
+  logic             row_is_last_q, row_is_out_q, out_done_q, out_bottom_q, out_far_q;
+  logic             out_active_q, out_current_q, out_active, out_current;
+  logic             ended_q;                           // the last pixel of the last row out
   logic [DistW-1:0] out_top_q;
-  logic             line_first, line_is_last, out_starts, out_kill;
+  logic             fill_q;                            // a filler may begin: a complete frame has rows to give
+  logic             skip, wait_on, boundary, mid_frame, ended, out_starts, out_kill;
 
-  assign rd_last      = rd_col_q == col_last_q;
-  assign boundary     = !rd_active_q || rd_last;
-  assign take         = boundary && level_q != '0;
-  assign start_line   = take && !dead[rd_line_q];
-  assign start_filler = boundary && level_q == '0 && out_active_q && !out_kill && !(rd_active_q && out_left_q == '0)
-                        && !mid_frame_q && state_q != StActive;
-  assign line_first   = first_q[rd_line_q];
-  assign line_is_last = !line_first && rd_row_q == row_last_q;
-  assign out_starts   = start_line && !line_first && rd_row_q == 10'(Radius);
-  assign out_kill     = event_kill_q && out_active_q && out_current_q;
+  // The next clock is at a boundary: a dead line is passed over, there is nothing to begin, or the line ends.
+  assign skip         = take_q && head_dead;
+  assign wait_on      = free_q && (!fill_q || active_q || (event_kill_q && out_current_q));
+  assign boundary     = skip || wait_on || next_last_q;
+  assign start_line   = take_q && !head_dead;
+  assign out_starts   = start_line && !line_q[0].first && row_is_out_q;
+  assign rd_current   = started_q ? head_current_q : rd_current_q;
+  assign out_active   = starts_q || out_active_q;
+  assign out_current  = starts_q ? head_current_q : out_current_q;
+  assign out_kill     = event_kill_q && out_active && out_current;
+  assign mid_frame    = (started_q ? !head_last_q : mid_frame_q) && !(event_kill_q && rd_current);
+  assign ended        = next_last_q && out_done_q;
+
+  // What has a line's time to follow its start does so a clock later.
+  always_ff @(posedge clk_i) begin
+    lined_q        <= boundary_q && !skip && !wait_on;
+    started_q      <= start_line;
+    starts_q       <= out_starts;
+    head_first_q   <= line_q[0].first;
+    head_current_q <= head_current;
+    head_last_q    <= !line_q[0].first && row_is_last_q;
+    if (started_q) rd_row_q <= head_first_q ? 10'd1 : rd_row_q + 1'b1;
+    row_is_last_q <= rd_row_q == row_last_q;
+    row_is_out_q  <= rd_row_q == 10'(Radius);
+    if (lined_q) begin
+      out_top_q    <= starts_q ? '0 : out_top_q + DistW'(!out_far_q);
+      out_left_q   <= starts_q ? row_last_q : out_left_q - 1'b1;
+      out_bottom_q <= !starts_q && (out_bottom_q || out_left_q == 10'(Radius));
+    end
+    out_far_q  <= out_top_q == DistW'(Radius);
+    out_done_q <= out_left_q == '0;
+  end
 
   always_ff @(posedge clk_i) begin
-    if (start_line) begin
-      rd_addr_q <= base(rd_line_q);
-      rd_row_q  <= line_first ? 10'd1 : rd_row_q + 1'b1;
-    end else if (rd_active_q) begin
-      rd_addr_q <= rd_addr_q + 1'b1;
-    end
-    if (start_line || start_filler) rd_col_q <= '0;
-    else if (rd_active_q) rd_col_q <= rd_col_q + 1'b1;
-    if (out_starts) begin
-      out_top_q  <= '0;
-      out_left_q <= row_last_q;
-    end else if (start_line || start_filler) begin
-      if (out_top_q != DistW'(Radius)) out_top_q <= out_top_q + 1'b1;
-      out_left_q <= out_left_q - 1'b1;
-    end
+    rd_addr_q   <= along_q ? rd_addr_q + 1'b1 : base(rd_line_q);
+    rd_col_q    <= along_q ? rd_col_q + 1'b1 : '0;
+    rd_first_q  <= boundary_q;
+    next_last_q <= rd_col_q == col_third_q;
     if (rst_i) begin
+      rd_line_q     <= '0;
+      boundary_q    <= 1'b1;
+      along_q       <= 1'b0;
+      take_q        <= 1'b0;
+      free_q        <= 1'b1;
+      reading_q     <= 1'b0;
       rd_active_q   <= 1'b0;
-      rd_real_q     <= 1'b0;
       rd_current_q  <= 1'b0;
       mid_frame_q   <= 1'b0;
       out_active_q  <= 1'b0;
       out_current_q <= 1'b0;
-      out_begin_q   <= 1'b0;
+      ended_q       <= 1'b0;
+      fill_q        <= 1'b0;
     end else begin
-      if (boundary) begin
-        rd_active_q <= start_line || start_filler;
-        rd_real_q   <= start_line;
-      end
-      if (start_line) mid_frame_q <= !line_is_last;
-      else if (event_kill_q && rd_current_q) mid_frame_q <= 1'b0;
-      if (start_line) rd_current_q <= current[rd_line_q];
-      else if (event_start_q) rd_current_q <= 1'b0;
-      if (out_starts) out_active_q <= 1'b1;
-      else if (out_kill || (rd_active_q && rd_last && out_left_q == '0)) out_active_q <= 1'b0;
-      if (out_starts) out_current_q <= current[rd_line_q];
-      else if (event_start_q) out_current_q <= 1'b0;
-      out_begin_q <= out_starts || (out_begin_q && !rd_active_q);
+      if (take_q) rd_line_q <= next_line(rd_line_q);
+      boundary_q    <= boundary;
+      along_q       <= !boundary;
+      take_q        <= boundary && line_d[0].valid;
+      free_q        <= boundary && !line_d[0].valid;
+      rd_active_q   <= !skip && !wait_on;
+      reading_q     <= start_line || (reading_q && !boundary_q);
+      mid_frame_q   <= mid_frame;
+      rd_current_q  <= rd_current && !event_start_q;
+      out_active_q  <= out_active && !out_kill && !ended_q;
+      out_current_q <= out_current && !event_start_q;
+      ended_q       <= ended;
+      fill_q        <= out_active && !out_kill && !ended_q && !ended && !mid_frame;
     end
   end
 
-  // ---- Issue: the ring's two clocks of latency carry the line's description along.
+  // ---- Issue: the ring's two clocks of latency carry the line's description along. The border's place follows in the second.
   typedef struct packed {
-    logic             first;
-    logic             last;
-    logic             out;
-    logic             live;
-    logic             start;
-    logic             done;
-    logic             bottom;
-    logic [DistW-1:0] away;
-    logic [ColW-1:0]  col;
+    logic            first;
+    logic            last;
+    logic            out;
+    logic            live;
+    logic            start;
+    logic            done;
+    logic [ColW-1:0] col;
   } issue_t;
-  issue_t issue, issue_q, issue_q2;
-  logic   line_out_q, line_out, valid_q, valid_q2, abort_q, abort_q2, accepted_q;
+  issue_t           issue, issue_q, issue_q2;
+  logic             bottom_q2;
+  logic [DistW-1:0] away_q2;
+  logic             line_out_q, line_out, valid_q, valid_q2, abort_q, abort_q2, accepted_q;
 
   // A line keeps computing when its frame dies half-way along it, so the filters always see whole lines.
-  assign line_out = (rd_col_q == '0) ? out_active_q : line_out_q;
+  assign line_out = rd_first_q ? out_active : line_out_q;
 
   always_comb begin
-    issue.first  = rd_col_q == '0;
-    issue.last   = rd_last;
-    issue.out    = line_out;
-    issue.live   = out_active_q && !out_kill;
-    issue.start  = issue.live && out_begin_q;
-    issue.done   = issue.live && rd_last && out_left_q == '0;
-    issue.bottom = out_left_q < 10'(Radius);
-    issue.away   = issue.bottom ? DistW'(out_left_q) : out_top_q;
-    issue.col    = ColW'(rd_col_q);
+    issue.first = rd_first_q;
+    issue.last  = boundary_q;
+    issue.out   = line_out;
+    issue.live  = out_active && !out_kill;
+    issue.start = issue.live && starts_q;
+    issue.done  = issue.live && ended_q;
+    issue.col   = ColW'(rd_col_q);
   end
 
   always_ff @(posedge clk_i) begin
@@ -243,7 +315,11 @@ module slog_video_in #(
       line_out_q <= line_out;
       issue_q    <= issue;
     end
-    if (valid_q) issue_q2 <= issue_q;
+    if (valid_q) begin
+      issue_q2  <= issue_q;
+      bottom_q2 <= out_bottom_q;
+      away_q2   <= out_bottom_q ? DistW'(out_left_q) : out_top_q;
+    end
     if (rst_i) begin
       valid_q    <= 1'b0;
       valid_q2   <= 1'b0;
@@ -253,7 +329,7 @@ module slog_video_in #(
     end else begin
       valid_q    <= rd_active_q;
       valid_q2   <= valid_q;
-      abort_q    <= out_kill && !out_begin_q;
+      abort_q    <= out_kill && !starts_q;
       abort_q2   <= abort_q;
       accepted_q <= rd_active_q && issue.done;
     end
@@ -264,10 +340,10 @@ module slog_video_in #(
       .Depth(Depth)
   ) u_ring (
       .clk_i,
-      .wr_en_i  (wr_en),
+      .wr_en_i  (wr_en_q),
       .wr_addr_i(wr_addr),
-      .wr_data_i(tdata_i),
-      .rd_en_i  (rd_active_q && rd_real_q),
+      .wr_data_i(wr_data_q),
+      .rd_en_i  (reading_q),
       .rd_addr_i(rd_addr_q),
       .rd_data_o(px_data_o)
   );
@@ -277,20 +353,28 @@ module slog_video_in #(
   assign px_first_o  = issue_q2.first;
   assign px_last_o   = issue_q2.last;
   assign px_out_o    = issue_q2.out;
-  assign px_bottom_o = issue_q2.bottom;
-  assign px_dist_o   = issue_q2.away;
+  assign px_bottom_o = bottom_q2;
+  assign px_dist_o   = away_q2;
   assign px_live_o   = valid_q2 && issue_q2.live;
   assign px_start_o  = valid_q2 && issue_q2.start;
   assign px_done_o   = valid_q2 && issue_q2.done;
   assign px_abort_o  = abort_q2;
   assign accepted_o  = accepted_q;
-  assign busy_o      = state_q == StActive || event_commit_q || level_q != '0 || rd_active_q || out_active_q
+  assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q
                        || valid_q || valid_q2 || abort_q || abort_q2;
 
-  `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 1)
-  `SLOG_ASSERT(SlogVideoInRing, level_q + 2'(rd_active_q && rd_real_q) <= 2'(Lines))
-  `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active_q && !(rd_active_q && rd_last && out_left_q == '0)
-                                    && !out_kill))
+  // Counters that follow a clock later need lines of some length.
+  `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
+  logic [2:0] used;
+  assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q) + 3'(event_commit_q);
+  `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used == 3'(Lines)))
+  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
+  `SLOG_ASSERT(SlogVideoInTake, take_q == (boundary_q && line_q[0].valid) && free_q == (boundary_q && !line_q[0].valid))
+  `SLOG_ASSERT(SlogVideoInFill, fill_q == (out_active_q && !ended_q && !mid_frame_q))
+  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
+  `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
+  `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
+  `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active && !ended_q && !out_kill))
   `SLOG_ASSERT(SlogVideoInSize, !wr_en || (32'(width_i) <= MaxWidth && 32'(width_i) >= 2 * Radius + 2
                                            && 32'(height_i) >= 2 * Radius + 2))
 endmodule : slog_video_in
