@@ -96,26 +96,36 @@ class CaptureModel:
         self.command: tuple[bool, int, int] | None = None  # of the clock before: cancel, camera, slot
 
     def outputs(self) -> dict[str, int | None]:
-        """Outputs of this clock: all come from registers."""
+        """Outputs of this clock: all come from registers, among them the command of the clock before."""
+        arm, cancel, refused = self._decide()
         return {
             "wr_valid_o": int(self.write is not None),
             "wr_addr_o": self.write[0] if self.write else None,
             "wr_data_o": self.write[1] if self.write else None,
             "slot_valid_o": self.slot_valid,
-            "armed_o": sum(ch.armed << c for c, ch in enumerate(self.channels)),
+            "armed_o": sum((arm == c or (ch.armed and cancel != c)) << c for c, ch in enumerate(self.channels)),
             "writing_o": sum(ch.writing << c for c, ch in enumerate(self.channels)),
-            "refused_o": self.refused,
+            "refused_o": refused,
             "done_o": self.done,
         }
+
+    def _decide(self) -> tuple[int | None, int | None, int]:
+        """The camera armed, the camera cancelled, whether the last command was refused."""
+        if self.command is None:
+            return None, None, self.refused
+        cancel, camera, slot = self.command
+        if cancel:
+            return None, camera, 0
+        taken = any(ch.writing if c == camera else ch.armed and ch.slot == slot
+                    for c, ch in enumerate(self.channels))
+        accept = slot < self.slots and camera < self.cameras and not taken
+        return (camera, None, 0) if accept else (None, None, 1)
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock, then the clock edge."""
         out = self.outputs()
-        cancel, camera, slot = self.command or (False, 0, 0)
-        taken = any(ch.writing if c == camera else ch.armed and ch.slot == slot
-                    for c, ch in enumerate(self.channels))
-        accept = slot < self.slots and camera < self.cameras and not taken
-        command = self.command is not None
+        arm, cancel, refused = self._decide()
+        slot = self.command[2] if self.command else 0
         pops = next((c for c, ch in enumerate(self.channels) if ch.fifo), None)
         write = self.channels[pops].fifo[0] if pops is not None else None
         valid, any_done = self.slot_valid, False
@@ -128,8 +138,7 @@ class CaptureModel:
                 valid |= 1 << held
             any_done |= ch.finishes
             ch.edge(
-                rst=i["rst_i"], arm=command and not cancel and camera == c and accept,
-                cancel=command and cancel and camera == c, slot=slot, busy=i["slot_busy_i"] >> held & 1,
+                rst=i["rst_i"], arm=arm == c, cancel=cancel == c, slot=slot, busy=i["slot_busy_i"] >> held & 1,
                 valid=self.slot_valid >> held & 1,
                 word=(i["word_data_i"] >> c * self.group_bits) & mask if i["word_valid_i"] >> c & 1 else None,
                 last=i["word_last_i"] >> c & 1, start=i["frame_start_i"] >> c & 1, done=i["frame_done_i"] >> c & 1,
@@ -141,8 +150,7 @@ class CaptureModel:
             self.slot_valid, self.refused, self.done, self.write = 0, 0, 0, None
         else:
             self.slot_valid = 0 if i["clear_i"] else valid
-            if command:
-                self.refused = int(not cancel and not accept)
+            self.refused = refused
             self.done = int(any_done)
             self.write = write
         return out

@@ -5,7 +5,7 @@
 // A cancelled frame, an aborted frame and clear_i leave their slots invalid.
 //
 // Latency    : word to store write 2 clocks, more when both cameras bring words at once (camera 0 goes first); the slot
-//              is valid 3 clocks after frame_done_i. A command acts in the clock after it, its outcome shows 2 clocks after it.
+//              is valid 3 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(
@@ -48,22 +48,22 @@ module slog_capture #(
   logic [Cameras-1:0][AddrW-1:0] out_addr;
   logic [Cameras-1:0][GroupBits-1:0] out_data;
   logic [7:0] slot_valid_d, slot_valid_q;
-  logic refused_q, done_q;
+  logic refused, refused_q, done_q;
   logic wr_valid_q;
   logic [AddrW-1:0] wr_addr_q;
   logic [GroupBits-1:0] wr_data_q;
 
   // The command, a clock old, and whether the other camera holds its slot. It asks for a camera unless its slot is not there.
-  logic [Cameras-1:0] ask_q, cancel_q, arm, held_q;
+  logic [Cameras-1:0] ask_q, cancel_q, arm, held, same_q;
   logic [2:0] cmd_slot_q;
   logic cmd_valid_q, cmd_arms_q;
   always_ff @(posedge clk_i) begin
     cmd_slot_q <= cmd_slot_i;
     cmd_arms_q <= !cmd_cancel_i;
     for (int unsigned c = 0; c < Cameras; c++) begin
-      held_q[c] <= 1'b0;
+      same_q[c] <= 1'b0;
       for (int unsigned o = 0; o < Cameras; o++) begin
-        if (o != c) held_q[c] <= arm[o] ? cmd_slot_q == cmd_slot_i : slot[o] == cmd_slot_i;
+        if (o != c) same_q[c] <= arm[o] ? cmd_slot_q == cmd_slot_i : slot[o] == cmd_slot_i;
       end
     end
     if (rst_i) begin
@@ -82,9 +82,11 @@ module slog_capture #(
   always_comb begin
     arm = ask_q & ~writing_o;
     for (int unsigned c = 0; c < Cameras; c++) begin
-      for (int unsigned o = 0; o < Cameras; o++) if (o != c && armed_o[o] && held_q[c]) arm[c] = 1'b0;
+      for (int unsigned o = 0; o < Cameras; o++) if (o != c && held[o] && same_q[c]) arm[c] = 1'b0;
     end
   end
+
+  assign refused = cmd_valid_q ? cmd_arms_q && arm == '0 : refused_q;
 
   for (genvar c = 0; c < Cameras; c++) begin : g_channel
     slog_capture_channel #(
@@ -114,6 +116,7 @@ module slog_capture #(
         .slot_o       (slot[c]),
         .slot_mask_o  (slot_mask[c]),
         .armed_o      (armed_o[c]),
+        .held_o       (held[c]),
         .writing_o    (writing_o[c]),
         .clear_o      (clear[c]),
         .set_o        (set[c]),
@@ -145,7 +148,7 @@ module slog_capture #(
       wr_valid_q   <= 1'b0;
     end else begin
       slot_valid_q <= slot_valid_d;
-      if (cmd_valid_q) refused_q <= cmd_arms_q && arm == '0;
+      refused_q    <= refused;
       done_q     <= finish != '0;
       wr_valid_q <= out_valid != '0;
     end
@@ -165,7 +168,7 @@ module slog_capture #(
   assign wr_addr_o    = wr_addr_q;
   assign wr_data_o    = wr_data_q;
   assign slot_valid_o = slot_valid_q;
-  assign refused_o    = refused_q;
+  assign refused_o    = refused;
   assign done_o       = done_q;
 
   `SLOG_ASSERT_INIT(SlogCaptureSlots, Slots <= 8)

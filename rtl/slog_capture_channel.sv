@@ -36,7 +36,8 @@ module slog_capture_channel #(
     output logic [GroupBits-1:0] wr_data_o,
     output logic [2:0]           slot_o,
     output logic [7:0]           slot_mask_o,     // the same one-hot, a clock later
-    output logic                 armed_o,         // a request waits or is being served
+    output logic                 armed_o,         // a request waits or is being served, with this clock's command in it
+    output logic                 held_o,          // ... without
     output logic                 writing_o,       // from frame start to finish
     output logic                 clear_o,         // slot_mask_o's valid bit is to be cleared
     output logic                 set_o,           // ... set
@@ -71,7 +72,8 @@ module slog_capture_channel #(
   assign slot_o      = slot_q;
   assign slot_mask_o = slot_mask_q;
   assign pushed_o    = pushed_q;
-  assign armed_o     = held_q;
+  assign armed_o     = !cancel_i && (arm_i || held_q);
+  assign held_o      = held_q;
   assign writing_o   = serving_q;
 
   always_comb begin

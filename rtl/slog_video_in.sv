@@ -85,7 +85,8 @@ module slog_video_in #(
   assign beat     = tvalid_i && room_q && !(hold_i && outside_q);
   assign kill     = beat && (active_q ? (tuser_i || (tlast_i != at_end_q)) : closed_q && !tuser_i);
   assign good_end = tvalid_i && room_q && at_end_q && !tuser_i && tlast_i;
-  assign active   = !beat ? active_q : tuser_i ? !tlast_i : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
+  assign active   = !beat ? active_q : tuser_i ? !tlast_i
+                    : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
   assign wr_en    = beat && (tuser_i || active_q);
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
@@ -132,7 +133,8 @@ module slog_video_in #(
     end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
     if (wr_en_q) begin
       left_q    <= event_start_q ? col_second_q : event_commit_q ? col_last_q : left_q - 10'd1;
-      wr_addr_q <= event_start_q ? base(wr_line_q) + 1'b1 : event_commit_q ? base(next_line(wr_line_q)) : wr_addr_q + 1'b1;
+      wr_addr_q <= event_start_q ? base(wr_line_q) + 1'b1
+                   : event_commit_q ? base(next_line(wr_line_q)) : wr_addr_q + 1'b1;
     end
     if (event_start_q) wr_row_q <= '0;
     else if (event_commit_q) wr_row_q <= wr_row_q + 1'b1;
