@@ -3,8 +3,8 @@
 from sim.runner import simulate
 
 SOURCES = ["rtl/slog_pkg.sv", "rtl/gen/tiny/slog_cfg_pkg.sv", "rtl/gen/slog_csr_pkg.sv", "rtl/gen/slog_csr.sv",
-           "rtl/slog_filter_bank.sv", "rtl/slog_peek.sv", "rtl/slog_axil.sv", "rtl/slog_counters.sv", "rtl/slog_clock_gate.sv",
-           "rtl/slog_control.sv"]
+           "rtl/slog_filter_bank.sv", "rtl/slog_peek.sv", "rtl/slog_axil.sv", "rtl/slog_counters.sv",
+           "rtl/slog_clock_gate.sv", "rtl/slog_control.sv"]
 PORTS = ("*_i", "*_o", "s_axil_*")
 
 
