@@ -128,7 +128,8 @@ void tick(Board& b) {
       b.cameras[c].offered = false;
     }
   }
-  if (t.surf_tvalid_o && t.surf_tready_i) {
+  // Before the first clock of a reset the board may say anything.
+  if (!t.rst_i && t.surf_tvalid_o && t.surf_tready_i) {
     if (t.surf_tuser_o != b.surface_first) b.surface_broken = true;
     b.surface_first = t.surf_tlast_o;
     b.surface.push_back(t.surf_tdata_o);
@@ -139,7 +140,7 @@ void tick(Board& b) {
   ++b.clocks;
 }
 
-// One register access at a time: 3 clocks a write, 4 a read when the register answers at once.
+// One register access at a time, as the board takes them: 4 clocks a write, 6 a read when the register answers at once.
 void write(Board& b, uint32_t address, uint32_t data) {
   Vslog_board& t = *b.top;
   t.s_axil_awaddr = address;
