@@ -168,32 +168,32 @@ class Localiser:
         guess = self._original.inverse @ prior @ self._original
         at = self._original.inverse(np.array(target, np.float64))
         seen = guess.inverse(at)
-        half = self.window // 2
-        size = np.array(self.shown.board)
-        middle = np.clip(np.rint(seen), 2 * half, size - 2 * half - 1)
-        if (np.abs(middle - seen) > half).any():
-            return None
-        p, q, _ = self._about(self.shown.show(picture), guess, middle)
-        if len(p) < 3:
-            return None
-        shift = np.median(q - p, axis=0)
-        agree = np.hypot(*(q - p - shift).T) <= self.limits.miss * self.window
-        if agree.sum() < 3:
-            return None
-        # `seen` is where the chart's place lies in what was cut out; that lies `shift` further on in the frame.
-        weight = np.exp(-np.sum((p[agree] - seen) ** 2, axis=1) / (2 * self.window**2))
-        return self._original(seen + np.average((q - p)[agree], axis=0, weights=weight))
+        live, size = self.shown.show(picture), np.array(self.shown.board)
+        # Where little about it has texture, windows farther off must do.
+        for step in (self.window // 2, self.window):
+            edge = step + self.window // 2
+            middle = np.clip(np.rint(seen), edge, size - edge - 1)
+            if (np.abs(middle - seen) > self.window // 2).any():
+                return None
+            p, q, _ = self._about(live, guess, middle, step)
+            shift = np.median(q - p, axis=0) if len(p) >= 3 else np.zeros(2)
+            agree = np.hypot(*(q - p - shift).T) <= self.limits.miss * self.window
+            if agree.sum() >= 3:
+                # `seen` is where the chart's place lies in what was cut out; that lies `shift` further on in the frame.
+                weight = np.exp(-np.sum((p[agree] - seen) ** 2, axis=1) / (2 * self.window**2))
+                return self._original(seen + np.average((q - p)[agree], axis=0, weights=weight))
+        return None
 
-    def _about(self, live: Picture, guess: Similarity, middle: Points) -> tuple[Points, Points, list[Measurement]]:
-        """Nine windows, half overlapping, about a point of the frame, as `_measure` gives them."""
-        half = self.window // 2
+    def _about(self, live: Picture, guess: Similarity, middle: Points, step: int
+               ) -> tuple[Points, Points, list[Measurement]]:
+        """Nine windows, `step` pixels apart, about a point of the frame, as `_measure` gives them."""
         x, y = (int(v) for v in middle)
-        centres = [(x + i * half, y + j * half) for j in (-1, 0, 1) for i in (-1, 0, 1)]
+        centres = [(x + i * step, y + j * step) for j in (-1, 0, 1) for i in (-1, 0, 1)]
         return self._measure(live, guess, centres, self.limits.reach // 2)
 
     def _held(self, live: Picture, look: _Look) -> bool:
         """Whether most windows about the frame's middle, those without texture aside, are where a comparison says."""
-        p, q, answers = self._about(live, look.similarity, np.array(self.shown.board) // 2)
+        p, q, answers = self._about(live, look.similarity, np.array(self.shown.board) // 2, self.window // 2)
         agreed = int((np.hypot(*(q - p).T) <= self.limits.miss * self.window).sum())
         return 2 * agreed > sum(m.reason is not Reason.TEXTURE for m in answers)
 
