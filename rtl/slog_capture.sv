@@ -5,7 +5,8 @@
 // A cancelled frame, an aborted frame and clear_i leave their slots invalid.
 //
 // Latency    : word to store write 2 clocks, more when both cameras bring words at once (camera 0 goes first); the slot
-//              is valid 3 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and refused_o show its outcome.
+//              is valid 3 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and
+//              refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(
@@ -53,7 +54,7 @@ module slog_capture #(
   logic [AddrW-1:0] wr_addr_q;
   logic [GroupBits-1:0] wr_data_q;
 
-  // The command, a clock old, and whether the other camera holds its slot. It asks for a camera unless its slot is not there.
+  // The command, a clock old, and whether the other camera holds its slot. Without such a slot it asks for no camera.
   logic [Cameras-1:0] ask_q, cancel_q, arm, held, same_q;
   logic [2:0] cmd_slot_q;
   logic cmd_valid_q, cmd_arms_q;

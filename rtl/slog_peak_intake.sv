@@ -7,8 +7,8 @@
 // Throughput : one score per clock, also from row to row and job to job; at most one row in two clocks.
 // Stalls     : a row begins when a bank is free (banks are reused in turn; released_i banks return). A bank is
 //              released when the last scan that reads it starts: scans never pause and scores come at most one per
-//              clock, so a new row follows the scan and never overtakes it. Surface scores wait for surf_ok_i of the clock before,
-//              which must leave room for four more.
+//              clock, so a new row follows the scan and never overtakes it. Surface scores wait for surf_ok_i of the
+//              clock before, which must leave room for four more.
 `include "slog_assert.svh"
 module slog_peak_intake
   import slog_pkg::*;

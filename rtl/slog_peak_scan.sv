@@ -3,10 +3,10 @@
 //   0  address to the banks     2  bank data     3  rows in order, columns named: near_*
 //   4  above against below      5  greater       6  against middle       7  greater, 0 near the best     10 far_valid_o
 // Handshake  : order_room_o says that an order may come in the next clock, unless one comes in this one.
-// Latency    : column 0 is read one clock after the order comes, an only column again in the clock after; near_* three clocks after a
-//              column's read; far_* ten clocks after the last column's read.
-// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, one of an only column two (so that far_*
-//              come at most in every other clock), and never pauses.
+// Latency    : column 0 is read one clock after the order comes, an only column again in the clock after; near_* three
+//              clocks after a column's read; far_* ten clocks after the last column's read.
+// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, one of an only column two (so
+//              that far_* come at most in every other clock), and never pauses.
 // Formats    : scores as maybe_t; far_o is 0 where nothing is outside the neighbourhood.
 `include "slog_assert.svh"
 module slog_peak_scan

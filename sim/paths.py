@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path as File
+from pathlib import Path
 from typing import Any
 
 CLOCK_TO_OUT = {"TRELLIS_FF": 0.52, "DP16KD": 5.6, "PDPW16KD": 5.6, "MULT18X18D": 4.0}
@@ -39,7 +39,7 @@ def through(kind: str, pin: str, out: str) -> float:
 
 
 @dataclass(frozen=True)
-class Path:
+class Timing:
     """A path between registers: nanoseconds, nets from its first register's output on, cell and pin it ends at."""
 
     time: float
@@ -118,7 +118,7 @@ class Netlist:
                       or settings.get("REG_OUTPUT_CLK", "NONE") != "NONE")
         return WITH_OUTPUT_REGISTER if registered else CLOCK_TO_OUT[cell["type"]]
 
-    def paths(self) -> list[Path]:
+    def paths(self) -> list[Timing]:
         """The slowest path to every pin of every register, the slowest first."""
         found = []
         for name, cell in self.cells.items():
@@ -134,26 +134,26 @@ class Netlist:
                     nets.append(before)
                     before = self.arrival(before)[1]
                 time += self._wire(bit, kind, pin) + SETUP.get(kind, 0.4)
-                found.append(Path(time, tuple(nets[::-1]), name, pin))
+                found.append(Timing(time, tuple(nets[::-1]), name, pin))
         return sorted(found, key=lambda path: -path.time)
 
-    def start(self, path: Path) -> str:
+    def start(self, path: Timing) -> str:
         """Name of the net a path starts at."""
         return self.names.get(path.nets[0], "?")
 
-    def end(self, path: Path) -> str:
+    def end(self, path: Timing) -> str:
         """Name of what a path ends at: a flip-flop's output net, or a block; and the pin."""
         connections = self.cells[path.cell]["connections"]
         name = path.cell if "Q" not in connections else self.names.get(connections["Q"][0], path.cell)
         return f"{name}.{path.pin}"
 
-    def hops(self, path: Path) -> str:
+    def hops(self, path: Timing) -> str:
         """The cells along a path, each with its fan-out."""
         kinds = (self.cells[self.drivers[bit][0]]["type"] if bit in self.drivers else "port" for bit in path.nets)
         return " > ".join(f"{kind}({self.loads[bit]})" for kind, bit in zip(kinds, path.nets, strict=True))
 
 
-def load(path: File) -> Netlist:
+def load(path: Path) -> Netlist:
     """Read a netlist that `sim.synth` wrote."""
     modules = json.loads(path.read_text())["modules"].values()
     module = max(modules, key=lambda m: len(m["cells"]))
@@ -169,7 +169,7 @@ def ranking(netlist: Netlist, over: float) -> list[str]:
     def module(name: str) -> str:
         return NUMBER.sub("#", name.rsplit(".", 1)[0])
 
-    groups: dict[tuple[str, str], list[Path]] = {}
+    groups: dict[tuple[str, str], list[Timing]] = {}
     for path in paths:
         if path.time <= over:
             break

