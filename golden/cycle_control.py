@@ -17,6 +17,8 @@ STORED = {
     "job.step.y": 0, "job.submit.tag": 0, "job.submit.surface": 0, "peek_address.word": 0,
     "irq_enable.result": 0, "irq_enable.capture": 0, "irq_enable.drop": 0, "irq_enable.overflow": 0,
 }
+OVERFLOW = 5
+"""Its place among the counters."""
 EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
 
 
@@ -80,7 +82,7 @@ class PeekModel:
 
     def reset(self) -> None:
         """State after reset."""
-        self.started = self.new = self.want = self.flight = self.drop = False
+        self.started = self.onward = self.new = self.want = self.flight = self.drop = False
         self.have = True
         self.word: int | None = 0
         self.chunk, self.address = 0, 0
@@ -99,7 +101,7 @@ class PeekModel:
         """Take the clock edge."""
         taken = self.valid and bool(ready)
         outside = self.want and self.address >= self.store_words and not self.flight
-        onward = take and self.started and self.chunk == self.chunks - 1
+        onward, self.onward = self.onward, take and self.started and self.chunk == self.chunks - 1
         self.want = self.new or (self.want and not taken and not outside)
         self.new = bool(go) or onward
         if outside:
@@ -140,7 +142,8 @@ class ControlModel:
         # What the registers see: the clock before.
         self.shown: dict[str, int | None] = {}
         self.events = dict.fromkeys(EVENTS, 0)
-        self.peek_wait = self.peek_taken = False
+        self.peek_wait = False
+        self.happened = [0] * len(self.counts)
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
@@ -203,23 +206,23 @@ class ControlModel:
         """Take the clock edge; `result_i` and `peek_data_i`, which may be undefined, stand apart."""
         v = self.csr.value
         overflow = int(v["job.submit.go"] and not i["job_ready_i"])
-        events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.peek_taken
-        self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), overflow), strict=True))
+        events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.csr.taken
+        lost = self.happened[OVERFLOW]
+        self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
         self.peek_wait = not self.peek.have or bool(v["peek_address.go"])
-        self.peek_taken = self.csr.taken
-        chosen = self.csr.chosen(wait)
-        if chosen is not None and not chosen.is_write:  # otherwise nobody reads in the next clock
+        begun = self.csr.begun
+        if begun is not None and not begun.is_write:  # otherwise nobody reads in the next clock
             self.shown = self.status(i, result)
         if i["rst_i"]:
             self.csr.edge(i, shown, events, wait)
             self.bank.reset()
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
-            self.events, self.peek_taken = dict.fromkeys(EVENTS, 0), False
+            self.events, self.happened = dict.fromkeys(EVENTS, 0), [0] * len(self.counts)
             return
         taken = bool(i["result_valid_i"] and v["result.pop.go"])
         good = taken and result is not None and RESULT.unpack(result)["status"] == 0
-        happened = [1, i["work_i"], i["score_i"], taken and good, taken and not good, overflow,
+        happened: list[int] = [1, i["work_i"], i["score_i"], taken and good, taken and not good, overflow,
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
         irq = (i["result_valid_i"] and v["irq_enable.result"]) or any(
             v[name] and v[name.replace("status", "enable")] for name in EVENTS)
@@ -232,7 +235,8 @@ class ControlModel:
                        active=active)
         self.peek.edge(go=v["peek_address.go"], address=v["peek_address.word"], take=peeked,
                        ready=i["peek_ready_i"], done=i["peek_done_i"], data=peek_data)
-        self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, happened, strict=True)]
+        self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, self.happened, strict=True)]
+        self.happened = happened
         self.irq = int(bool(irq))
 
     def step(self, i: Mapping[str, int]) -> dict[str, int | None]:

@@ -61,12 +61,15 @@ class CsrModel:
         self.aw: int | None = None
         self.w: tuple[int, int] | None = None
         self.under_way, self.read_last = False, False
+        self.begun: Request | None = None  # the access that begins in this clock
         self.request: Request | None = None
+        self.decoded: Request | None = None  # the request of the clock before, its address decoded
+        self.read: tuple[int | None] | None = None  # what the request of the clock before reads
         self.answer: tuple[int | None] | None = None  # what the read path answers in this clock
         self.bvalid, self.rvalid = False, False
 
     def chosen(self, wait: bool) -> Request | None:
-        """The access that becomes a request in the next clock; `wait`: the waiting register is not ready."""
+        """The access that begins in the next clock; `wait`: the waiting register is not ready."""
         if self.under_way:
             return None
         read = None if self.ar is None or (wait and self.ar & ~3 == self.waits) else Request(self.ar & ~3, False)
@@ -78,7 +81,7 @@ class CsrModel:
     @property
     def taken(self) -> bool:
         """The waiting register is read in this clock."""
-        return self.request is not None and not self.request.is_write and self.request.address == self.waits
+        return self.decoded is not None and not self.decoded.is_write and self.decoded.address == self.waits
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock: all come from registers."""
@@ -103,24 +106,29 @@ class CsrModel:
         if i["rst_i"]:
             self.reset()
             return
-        request, chosen = self.request, self.chosen(wait)
+        request, chosen = self.decoded, self.chosen(wait)
         ended = (self.bvalid and i["s_axil_bready"]) or (self.rvalid and i["s_axil_rready"])
         wrote = request is not None and request.is_write
         self.rvalid = self.answer is not None or (self.rvalid and not i["s_axil_rready"])
         self.bvalid = wrote or (self.bvalid and not i["s_axil_bready"])
-        self.answer = None if request is None or wrote else (self._read(request.address, status),)
+        asked = self.request
+        self.answer = self.read
+        self.read = None if asked is None or asked.is_write else (self._read(asked.address, status),)
         self._store(request if wrote else None, events)
-        self.request = chosen
+        begun = self.begun
+        self.decoded, self.request, self.begun = asked, begun, chosen
+        if begun is not None:
+            self.read_last = not begun.is_write
         if chosen is not None:
-            self.under_way, self.read_last = True, not chosen.is_write
+            self.under_way = True
         elif ended:
             self.under_way = False
 
         # What waits, and what comes in where nothing did
         ar, aw, w = self.ar, self.aw, self.w
-        if chosen is not None and chosen.is_write:
+        if begun is not None and begun.is_write:
             self.aw = self.w = None
-        elif chosen is not None:
+        elif begun is not None:
             self.ar = None
         if ar is None and i["s_axil_arvalid"]:
             self.ar = i["s_axil_araddr"]

@@ -2,9 +2,9 @@
 //
 // A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
 //
-// Latency    : a request leaves 2 clocks after the last channel of its access was accepted; bvalid follows the request by 1
-//              clock, rvalid the register block's answer by 1.
-// Throughput : an access every 4 clocks (write) or 3 + the register block's latency (read), if its response is taken at once.
+// Latency    : a request leaves 3 clocks after the last channel of its access was accepted; bvalid and rvalid follow the
+//              register block's answer by 1 clock. What req_o asks for stays until then.
+// Throughput : an access every 5 clocks and the register block's latency, if its response is taken at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
 module slog_axil #(
@@ -47,12 +47,11 @@ module slog_axil #(
   logic [31:0] wdata_q, data_q, rdata_q;
   logic [3:0] wstrb_q, strb_q;
   logic under_way_q, read_last_q, req_q, is_wr_q, bvalid_q, rvalid_q;
-  logic can_read, can_write, read, write;
+  logic read_q, write_q;       // the access begins
+  logic can_read, can_write;
 
   assign can_read  = ar_q && !(ar_waits_q && wait_i) && !under_way_q;
   assign can_write = aw_q && w_q && !under_way_q;
-  assign read      = can_read && !(can_write && read_last_q);
-  assign write     = can_write && !(can_read && !read_last_q);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -60,23 +59,25 @@ module slog_axil #(
       w_q         <= 1'b0;
       ar_q        <= 1'b0;
       under_way_q <= 1'b0;
+      read_q      <= 1'b0;
+      write_q     <= 1'b0;
       read_last_q <= 1'b0;
       req_q       <= 1'b0;
       bvalid_q    <= 1'b0;
       rvalid_q    <= 1'b0;
     end else begin
-      aw_q     <= (aw_q || awvalid_i) && !write;
-      w_q      <= (w_q || wvalid_i) && !write;
-      ar_q     <= (ar_q || arvalid_i) && !read;
-      req_q    <= read || write;
+      read_q   <= can_read && !(can_write && read_last_q);
+      write_q  <= can_write && !(can_read && !read_last_q);
+      aw_q     <= (aw_q || awvalid_i) && !write_q;
+      w_q      <= (w_q || wvalid_i) && !write_q;
+      ar_q     <= (ar_q || arvalid_i) && !read_q;
+      req_q    <= read_q || write_q;
       bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
       rvalid_q <= rd_ack_i || (rvalid_q && !rready_i);
-      if (read || write) begin
-        under_way_q <= 1'b1;
-        read_last_q <= read;
-      end else if ((bvalid_q && bready_i) || (rvalid_q && rready_i)) begin
-        under_way_q <= 1'b0;
-      end
+      if (read_q) read_last_q <= 1'b1;
+      if (write_q) read_last_q <= 1'b0;
+      if (can_read || can_write) under_way_q <= 1'b1;
+      else if ((bvalid_q && bready_i) || (rvalid_q && rready_i)) under_way_q <= 1'b0;
     end
   end
 
@@ -90,9 +91,9 @@ module slog_axil #(
       araddr_q   <= araddr_i;
       ar_waits_q <= araddr_i[AddrW-1:2] == WaitAddr[AddrW-1:2];
     end
-    if (!under_way_q) begin
-      addr_q  <= write ? awaddr_q : araddr_q;
-      is_wr_q <= write;
+    if (read_q || write_q) begin
+      addr_q  <= write_q ? awaddr_q : araddr_q;
+      is_wr_q <= write_q;
       data_q  <= wdata_q;
       strb_q  <= wstrb_q;
     end

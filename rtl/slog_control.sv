@@ -1,8 +1,8 @@
 // Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
 // registers' commands turned into the blocks' own terms.
 //
-// Latency    : a command reaches the blocks 3 clocks after its AXI4-Lite write is complete; what is read is one clock old;
-//              irq_o follows a result by 1 clock, other causes by 3.
+// Latency    : a command reaches the blocks 5 clocks after its AXI4-Lite write is complete; what is read is one clock old,
+//              counts two; irq_o follows a result by 1 clock, captures and drops by 3, a lost submit by 4.
 `include "slog_assert.svh"
 module slog_control
   import slog_pkg::*;
@@ -85,11 +85,11 @@ module slog_control
   slog_csr_pkg::slog_csr__in_t status, hwif_in;
   logic clk;
   slog_csr_pkg::slog_csr__out_t hwif_out;
-  logic [Events-1:0] events;
+  logic [Events-1:0] events, events_q;
   logic [Events-1:0][31:0] counts;
   logic overflow, taken, filter_busy, size_error, irq_q;
   logic [31:0] peek_data;
-  logic peek_ready, peek_wait_q, peek_taken_q;
+  logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
   logic [7:0] req_addr;
   logic [31:0] req_data, req_biten, rd_data;
@@ -109,8 +109,6 @@ module slog_control
   always_ff @(posedge clk) begin
     hwif_in     <= status;
     peek_wait_q <= !peek_ready || hwif_out.peek_address.go.value;
-    if (rst_i) peek_taken_q <= 1'b0;
-    else peek_taken_q <= hwif_out.peek_data.value.swacc;
     if (rst_i) begin
       hwif_in.irq_status.capture.next  <= 1'b0;
       hwif_in.irq_status.drop.next     <= 1'b0;
@@ -211,7 +209,7 @@ module slog_control
       .rst_i,
       .go_i     (hwif_out.peek_address.go.value),
       .address_i(hwif_out.peek_address.word.value),
-      .take_i   (peek_taken_q),
+      .take_i   (hwif_out.peek_data.value.swacc),
       .ready_o  (peek_ready),
       .data_o   (peek_data),
       .peek_valid_o,
@@ -226,7 +224,7 @@ module slog_control
   ) u_counters (
       .clk_i,
       .rst_i,
-      .event_i(events),
+      .event_i(events_q),
       .count_o(counts)
   );
 
@@ -302,7 +300,7 @@ module slog_control
   assign status.irq_status.result.next           = result_valid_i;
   assign status.irq_status.capture.next          = captured_i;
   assign status.irq_status.drop.next             = dropped_i != '0;
-  assign status.irq_status.overflow.next         = overflow;
+  assign status.irq_status.overflow.next         = events_q[5];
 
   // Counters
   assign taken = result_valid_i && result_ready_o;
@@ -310,6 +308,10 @@ module slog_control
       MaxCameras'(dropped_i), MaxCameras'(accepted_i), overflow, taken && result_i.status != StatusOk,
       taken && result_i.status == StatusOk, score_i, work_i, 1'b1
   };
+  always_ff @(posedge clk_i) begin
+    if (rst_i) events_q <= '0;
+    else events_q <= events;
+  end
   assign status.counter.clocks.value.next    = counts[0];
   assign status.counter.busy.value.next      = counts[1];
   assign status.counter.scores.value.next    = counts[2];
@@ -334,5 +336,5 @@ module slog_control
 
   // One access at a time: none is ever stalled, and PeekData is where the map has it.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, req && !req_is_wr |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
+  `SLOG_ASSERT(SlogControlPeekAddress, req && !req_is_wr |=> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control

@@ -3,7 +3,8 @@
 // A new address starts reading there; data_o is what the next read gets, and each read moves on. The word after the last
 // one handed out is read ahead. Addresses past the store, and reads before any address, give zero.
 //
-// Latency    : go_i to peek_valid_o 2 clocks; a word is ready 1 clock after peek_done_i.
+// Latency    : go_i to peek_valid_o 2 clocks; a word is ready 1 clock after peek_done_i; ready_o falls 2 clocks after the
+//              take_i of a word's last 32 bits.
 // Formats    : bit 0 is the leftmost pixel; a store word narrower than 32 bits fills the low bits.
 `include "slog_assert.svh"
 module slog_peek #(
@@ -37,22 +38,24 @@ module slog_peek #(
   logic flight_q;    // a read is on its way
   logic drop_q;      // ... and no longer wanted
   logic have_q;      // word_q is the word before address_q, or none was ever asked for
-  logic taken, outside, onward;
+  logic onward_q;    // the last of word_q was read
+  logic taken, outside;
 
   assign taken   = peek_valid_o && peek_ready_i;
   assign outside = want_q && !in_store_q && !flight_q;
-  assign onward  = take_i && started_q && chunk_q == ChunkW'(Chunks - 1);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       started_q <= 1'b0;
+      onward_q  <= 1'b0;
       new_q     <= 1'b0;
       want_q    <= 1'b0;
       flight_q  <= 1'b0;
       drop_q    <= 1'b0;
       have_q    <= 1'b1;
     end else begin
-      new_q <= go_i || onward;
+      onward_q <= take_i && started_q && chunk_q == ChunkW'(Chunks - 1);
+      new_q    <= go_i || onward_q;
       if (new_q) want_q <= 1'b1;
       else if (taken || outside) want_q <= 1'b0;
       if (taken) flight_q <= 1'b1;
@@ -62,7 +65,7 @@ module slog_peek #(
         drop_q <= 1'b0;
         have_q <= !drop_q;
       end
-      if (onward) have_q <= 1'b0;
+      if (onward_q) have_q <= 1'b0;
       if (go_i) begin
         started_q <= 1'b1;
         want_q    <= 1'b0;
@@ -77,7 +80,7 @@ module slog_peek #(
     else if (peek_done_i) word_q <= (Chunks * 32)'(peek_data_i);
     else if (take_i) word_q <= word_q >> 32;
     if (take_i) chunk_q <= chunk_q + 1'b1;
-    if (onward) begin
+    if (onward_q) begin
       address_q <= address_q + 1'b1;
       chunk_q   <= '0;
     end
@@ -93,6 +96,6 @@ module slog_peek #(
   assign ready_o      = have_q;
   assign data_o       = word_q[31:0];
 
-  `SLOG_ASSERT(SlogPeekReady, take_i |-> have_q && !go_i)
+  `SLOG_ASSERT(SlogPeekReady, take_i || onward_q |-> have_q && !go_i)
   `SLOG_ASSERT(SlogPeekDoneExpected, peek_done_i |-> flight_q)
 endmodule : slog_peek

@@ -37,8 +37,9 @@ AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
 PRIMITIVES = ("DP16KD", "MULT18X18D")
 BLOCKS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_grid", "slog_fetch", "slog_sequencer",
           "slog_operands", "slog_array", "slog_peak")
-COPIES = ("slog_store_slice", "slog_ring_slice")
-"""Kept apart like blocks: their registers are copies of one another on purpose, and would be merged."""
+KEPT = ("slog_store_slice", "slog_ring_slice", "slog_csr", "slog_axil")
+"""Kept apart like blocks: slices, whose registers are copies of one another on purpose and would be merged; and what
+has wide multiplexers, which are mapped for speed only where nothing beside them is slower."""
 COSTS = {
     "lut4": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 4},
     "ff": {"TRELLIS_FF": 1},
@@ -58,7 +59,7 @@ def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path)
     read = ["read_slang", "-j", "1", "--best-effort-hierarchy", "-I", _seen(RTL), "--top", top,
             *(word for name in PRIMITIVES for word in ("--blackboxed-module", name)),
             *(word for value in parameters for word in ("-G", value)), *map(_seen, ecp5_sources(config))]
-    kept = [f"{block}$*" for block in (*BLOCKS, *COPIES) if block != top]
+    kept = [f"{block}$*" for block in (*BLOCKS, *KEPT) if block != top]
     return "\n".join([
         " ".join(read),
         f"setattr -mod -set keep_hierarchy 1 {' '.join(kept)}",

@@ -55,19 +55,9 @@ module slog_csr (
 
     logic cpuif_req_masked;
 
-    // Read latency > write latency. May need to delay next write that follows a read
-    logic [0:0] cpuif_req_stall_sr;
-    always_ff @(posedge clk) begin
-        if(rst) begin
-            cpuif_req_stall_sr <= '0;
-        end else if(cpuif_req && !cpuif_req_is_wr) begin
-            cpuif_req_stall_sr <= '1;
-        end else begin
-            cpuif_req_stall_sr <= (cpuif_req_stall_sr >> 'd1);
-        end
-    end
+    // Read & write latencies are balanced. Stalls not required
     assign cpuif_req_stall_rd = '0;
-    assign cpuif_req_stall_wr = cpuif_req_stall_sr[0];
+    assign cpuif_req_stall_wr = '0;
     assign cpuif_req_masked = cpuif_req
                             & !(!cpuif_req_is_wr & cpuif_req_stall_rd)
                             & !(cpuif_req_is_wr & cpuif_req_stall_wr);
@@ -121,7 +111,7 @@ module slog_csr (
             logic drops[2];
         } counter;
     } decoded_reg_strb_t;
-    decoded_reg_strb_t decoded_reg_strb;
+    decoded_reg_strb_t decoded_reg_strb, asked_reg_strb;
     logic decoded_err;
     logic [7:0] decoded_addr;
     logic decoded_req;
@@ -134,56 +124,59 @@ module slog_csr (
         automatic logic is_valid_rw;
         is_valid_addr = '1; // No valid address check
         is_valid_rw = '1; // No valid RW check
-        decoded_reg_strb.id = cpuif_req_masked & (cpuif_addr == 8'h0) & !cpuif_req_is_wr;
-        decoded_reg_strb.version = cpuif_req_masked & (cpuif_addr == 8'h4) & !cpuif_req_is_wr;
-        decoded_reg_strb.build_image = cpuif_req_masked & (cpuif_addr == 8'h8) & !cpuif_req_is_wr;
-        decoded_reg_strb.build_filter = cpuif_req_masked & (cpuif_addr == 8'hc) & !cpuif_req_is_wr;
-        decoded_reg_strb.build_window = cpuif_req_masked & (cpuif_addr == 8'h10) & !cpuif_req_is_wr;
-        decoded_reg_strb.build_board = cpuif_req_masked & (cpuif_addr == 8'h14) & !cpuif_req_is_wr;
-        decoded_reg_strb.build_queue = cpuif_req_masked & (cpuif_addr == 8'h18) & !cpuif_req_is_wr;
-        decoded_reg_strb.image_size = cpuif_req_masked & (cpuif_addr == 8'h20);
-        decoded_reg_strb.image_active = cpuif_req_masked & (cpuif_addr == 8'h24) & !cpuif_req_is_wr;
-        decoded_reg_strb.coef = cpuif_req_masked & (cpuif_addr == 8'h28);
-        decoded_reg_strb.filter = cpuif_req_masked & (cpuif_addr == 8'h2c);
-        decoded_reg_strb.capture = cpuif_req_masked & (cpuif_addr == 8'h30);
-        decoded_reg_strb.slot_status = cpuif_req_masked & (cpuif_addr == 8'h34) & !cpuif_req_is_wr;
-        decoded_reg_strb.job.tpl = cpuif_req_masked & (cpuif_addr == 8'h40);
-        decoded_reg_strb.job.window = cpuif_req_masked & (cpuif_addr == 8'h44);
-        decoded_reg_strb.job.search = cpuif_req_masked & (cpuif_addr == 8'h48);
-        decoded_reg_strb.job.offsets = cpuif_req_masked & (cpuif_addr == 8'h4c);
-        decoded_reg_strb.job.grid = cpuif_req_masked & (cpuif_addr == 8'h50);
-        decoded_reg_strb.job.step = cpuif_req_masked & (cpuif_addr == 8'h54);
-        decoded_reg_strb.job.submit = cpuif_req_masked & (cpuif_addr == 8'h58);
-        decoded_reg_strb.job.status = cpuif_req_masked & (cpuif_addr == 8'h5c) & !cpuif_req_is_wr;
-        decoded_reg_strb.result.pop = cpuif_req_masked & (cpuif_addr == 8'h60);
-        decoded_reg_strb.result.head = cpuif_req_masked & (cpuif_addr == 8'h64) & !cpuif_req_is_wr;
-        decoded_reg_strb.result.best = cpuif_req_masked & (cpuif_addr == 8'h68) & !cpuif_req_is_wr;
-        decoded_reg_strb.result.scores = cpuif_req_masked & (cpuif_addr == 8'h6c) & !cpuif_req_is_wr;
+        asked_reg_strb.id = cpuif_req_masked & (cpuif_addr == 8'h0) & !cpuif_req_is_wr;
+        asked_reg_strb.version = cpuif_req_masked & (cpuif_addr == 8'h4) & !cpuif_req_is_wr;
+        asked_reg_strb.build_image = cpuif_req_masked & (cpuif_addr == 8'h8) & !cpuif_req_is_wr;
+        asked_reg_strb.build_filter = cpuif_req_masked & (cpuif_addr == 8'hc) & !cpuif_req_is_wr;
+        asked_reg_strb.build_window = cpuif_req_masked & (cpuif_addr == 8'h10) & !cpuif_req_is_wr;
+        asked_reg_strb.build_board = cpuif_req_masked & (cpuif_addr == 8'h14) & !cpuif_req_is_wr;
+        asked_reg_strb.build_queue = cpuif_req_masked & (cpuif_addr == 8'h18) & !cpuif_req_is_wr;
+        asked_reg_strb.image_size = cpuif_req_masked & (cpuif_addr == 8'h20);
+        asked_reg_strb.image_active = cpuif_req_masked & (cpuif_addr == 8'h24) & !cpuif_req_is_wr;
+        asked_reg_strb.coef = cpuif_req_masked & (cpuif_addr == 8'h28);
+        asked_reg_strb.filter = cpuif_req_masked & (cpuif_addr == 8'h2c);
+        asked_reg_strb.capture = cpuif_req_masked & (cpuif_addr == 8'h30);
+        asked_reg_strb.slot_status = cpuif_req_masked & (cpuif_addr == 8'h34) & !cpuif_req_is_wr;
+        asked_reg_strb.job.tpl = cpuif_req_masked & (cpuif_addr == 8'h40);
+        asked_reg_strb.job.window = cpuif_req_masked & (cpuif_addr == 8'h44);
+        asked_reg_strb.job.search = cpuif_req_masked & (cpuif_addr == 8'h48);
+        asked_reg_strb.job.offsets = cpuif_req_masked & (cpuif_addr == 8'h4c);
+        asked_reg_strb.job.grid = cpuif_req_masked & (cpuif_addr == 8'h50);
+        asked_reg_strb.job.step = cpuif_req_masked & (cpuif_addr == 8'h54);
+        asked_reg_strb.job.submit = cpuif_req_masked & (cpuif_addr == 8'h58);
+        asked_reg_strb.job.status = cpuif_req_masked & (cpuif_addr == 8'h5c) & !cpuif_req_is_wr;
+        asked_reg_strb.result.pop = cpuif_req_masked & (cpuif_addr == 8'h60);
+        asked_reg_strb.result.head = cpuif_req_masked & (cpuif_addr == 8'h64) & !cpuif_req_is_wr;
+        asked_reg_strb.result.best = cpuif_req_masked & (cpuif_addr == 8'h68) & !cpuif_req_is_wr;
+        asked_reg_strb.result.scores = cpuif_req_masked & (cpuif_addr == 8'h6c) & !cpuif_req_is_wr;
         for(int i0=0; i0<4; i0++) begin
-            decoded_reg_strb.result.neighbour[i0] = cpuif_req_masked & (cpuif_addr == 8'h70 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
+            asked_reg_strb.result.neighbour[i0] = cpuif_req_masked & (cpuif_addr == 8'h70 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
         end
-        decoded_reg_strb.peek_address = cpuif_req_masked & (cpuif_addr == 8'h80);
-        decoded_reg_strb.peek_data = cpuif_req_masked & (cpuif_addr == 8'h84) & !cpuif_req_is_wr;
-        decoded_reg_strb.irq_status = cpuif_req_masked & (cpuif_addr == 8'h90);
-        decoded_reg_strb.irq_enable = cpuif_req_masked & (cpuif_addr == 8'h94);
-        decoded_reg_strb.counter.clocks = cpuif_req_masked & (cpuif_addr == 8'ha0) & !cpuif_req_is_wr;
-        decoded_reg_strb.counter.busy = cpuif_req_masked & (cpuif_addr == 8'ha4) & !cpuif_req_is_wr;
-        decoded_reg_strb.counter.scores = cpuif_req_masked & (cpuif_addr == 8'ha8) & !cpuif_req_is_wr;
-        decoded_reg_strb.counter.jobs = cpuif_req_masked & (cpuif_addr == 8'hac) & !cpuif_req_is_wr;
-        decoded_reg_strb.counter.refused = cpuif_req_masked & (cpuif_addr == 8'hb0) & !cpuif_req_is_wr;
-        decoded_reg_strb.counter.overflows = cpuif_req_masked & (cpuif_addr == 8'hb4) & !cpuif_req_is_wr;
+        asked_reg_strb.peek_address = cpuif_req_masked & (cpuif_addr == 8'h80);
+        asked_reg_strb.peek_data = cpuif_req_masked & (cpuif_addr == 8'h84) & !cpuif_req_is_wr;
+        asked_reg_strb.irq_status = cpuif_req_masked & (cpuif_addr == 8'h90);
+        asked_reg_strb.irq_enable = cpuif_req_masked & (cpuif_addr == 8'h94);
+        asked_reg_strb.counter.clocks = cpuif_req_masked & (cpuif_addr == 8'ha0) & !cpuif_req_is_wr;
+        asked_reg_strb.counter.busy = cpuif_req_masked & (cpuif_addr == 8'ha4) & !cpuif_req_is_wr;
+        asked_reg_strb.counter.scores = cpuif_req_masked & (cpuif_addr == 8'ha8) & !cpuif_req_is_wr;
+        asked_reg_strb.counter.jobs = cpuif_req_masked & (cpuif_addr == 8'hac) & !cpuif_req_is_wr;
+        asked_reg_strb.counter.refused = cpuif_req_masked & (cpuif_addr == 8'hb0) & !cpuif_req_is_wr;
+        asked_reg_strb.counter.overflows = cpuif_req_masked & (cpuif_addr == 8'hb4) & !cpuif_req_is_wr;
         for(int i0=0; i0<2; i0++) begin
-            decoded_reg_strb.counter.frames[i0] = cpuif_req_masked & (cpuif_addr == 8'hb8 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
+            asked_reg_strb.counter.frames[i0] = cpuif_req_masked & (cpuif_addr == 8'hb8 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
         end
         for(int i0=0; i0<2; i0++) begin
-            decoded_reg_strb.counter.drops[i0] = cpuif_req_masked & (cpuif_addr == 8'hc0 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
+            asked_reg_strb.counter.drops[i0] = cpuif_req_masked & (cpuif_addr == 8'hc0 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
         end
         decoded_err = '0;
     end
 
     // Pass down signals to next stage
     assign decoded_addr = cpuif_addr;
-    assign decoded_req = cpuif_req_masked;
+    always_ff @(posedge clk) begin
+        decoded_req <= rst ? '0 : cpuif_req_masked;
+        decoded_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
+    end
     assign decoded_req_is_wr = cpuif_req_is_wr;
     assign decoded_wr_data = cpuif_wr_data;
     assign decoded_wr_biten = cpuif_wr_biten;
@@ -1447,217 +1440,194 @@ module slog_csr (
     // Readback
     //--------------------------------------------------------------------------
 
-    logic [7:0] rd_mux_addr;
-    assign rd_mux_addr = decoded_addr;
 
     logic readback_err;
     logic readback_done;
     logic [31:0] readback_data;
-    function automatic bit [4:0] ad_low(bit [7:0] addr);
-        return addr[4:0];
-    endfunction
-    function automatic bit [2:0] ad_hi(bit [7:0] addr);
-        return addr[7:5];
-    endfunction
-
-    // readback stage 1
-    logic [31:0] readback_data_rt_c[8];
+    // Every word of the map; then one of four three times, with a register behind the first two.
+    logic [31:0] readback_word[64];
     always_comb begin
-        automatic logic [31:0] readback_data_var[8];
-        for(int i=0; i<8; i++) readback_data_var[i] = '0;
-        if(ad_low(rd_mux_addr) == ad_low(8'h0)) begin
-            readback_data_var[ad_hi(8'h0)][31:0] = 32'h534c4f47;
+        automatic logic [31:0] readback_data_var;
+        automatic logic [7:0] rd_mux_addr;
+        for(int word=0; word<64; word++) begin
+            rd_mux_addr = 8'(4*word);
+            readback_data_var = '0;
+        if(rd_mux_addr == 8'h0) begin
+            readback_data_var[31:0] = 32'h534c4f47;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h4)) begin
-            readback_data_var[ad_hi(8'h4)][15:0] = 16'h0;
-            readback_data_var[ad_hi(8'h4)][31:16] = 16'h1;
+        if(rd_mux_addr == 8'h4) begin
+            readback_data_var[15:0] = 16'h0;
+            readback_data_var[31:16] = 16'h1;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h8)) begin
-            readback_data_var[ad_hi(8'h8)][9:0] = hwif_in.build_image.max_width.next;
-            readback_data_var[ad_hi(8'h8)][25:16] = hwif_in.build_image.max_height.next;
+        if(rd_mux_addr == 8'h8) begin
+            readback_data_var[9:0] = hwif_in.build_image.max_width.next;
+            readback_data_var[25:16] = hwif_in.build_image.max_height.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'hc)) begin
-            readback_data_var[ad_hi(8'hc)][9:0] = hwif_in.build_filter.min_image.next;
-            readback_data_var[ad_hi(8'hc)][20:16] = hwif_in.build_filter.radius.next;
-            readback_data_var[ad_hi(8'hc)][28:24] = hwif_in.build_filter.fraction.next;
+        if(rd_mux_addr == 8'hc) begin
+            readback_data_var[9:0] = hwif_in.build_filter.min_image.next;
+            readback_data_var[20:16] = hwif_in.build_filter.radius.next;
+            readback_data_var[28:24] = hwif_in.build_filter.fraction.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h10)) begin
-            readback_data_var[ad_hi(8'h10)][7:0] = hwif_in.build_window.min_window.next;
-            readback_data_var[ad_hi(8'h10)][15:8] = hwif_in.build_window.max_window.next;
-            readback_data_var[ad_hi(8'h10)][23:16] = hwif_in.build_window.group_bits.next;
-            readback_data_var[ad_hi(8'h10)][31:24] = hwif_in.build_window.words_per_row.next;
+        if(rd_mux_addr == 8'h10) begin
+            readback_data_var[7:0] = hwif_in.build_window.min_window.next;
+            readback_data_var[15:8] = hwif_in.build_window.max_window.next;
+            readback_data_var[23:16] = hwif_in.build_window.group_bits.next;
+            readback_data_var[31:24] = hwif_in.build_window.words_per_row.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h14)) begin
-            readback_data_var[ad_hi(8'h14)][3:0] = hwif_in.build_board.cameras.next;
-            readback_data_var[ad_hi(8'h14)][7:4] = hwif_in.build_board.slots.next;
-            readback_data_var[ad_hi(8'h14)][15:8] = hwif_in.build_board.lanes.next;
-            readback_data_var[ad_hi(8'h14)][31:16] = hwif_in.build_board.surface_depth.next;
+        if(rd_mux_addr == 8'h14) begin
+            readback_data_var[3:0] = hwif_in.build_board.cameras.next;
+            readback_data_var[7:4] = hwif_in.build_board.slots.next;
+            readback_data_var[15:8] = hwif_in.build_board.lanes.next;
+            readback_data_var[31:16] = hwif_in.build_board.surface_depth.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h18)) begin
-            readback_data_var[ad_hi(8'h18)][15:0] = hwif_in.build_queue.job_depth.next;
-            readback_data_var[ad_hi(8'h18)][31:16] = hwif_in.build_queue.result_depth.next;
+        if(rd_mux_addr == 8'h18) begin
+            readback_data_var[15:0] = hwif_in.build_queue.job_depth.next;
+            readback_data_var[31:16] = hwif_in.build_queue.result_depth.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h20)) begin
-            readback_data_var[ad_hi(8'h20)][9:0] = field_storage.image_size.width.value;
-            readback_data_var[ad_hi(8'h20)][25:16] = field_storage.image_size.height.value;
+        if(rd_mux_addr == 8'h20) begin
+            readback_data_var[9:0] = field_storage.image_size.width.value;
+            readback_data_var[25:16] = field_storage.image_size.height.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h24)) begin
-            readback_data_var[ad_hi(8'h24)][9:0] = hwif_in.image_active.width.next;
-            readback_data_var[ad_hi(8'h24)][25:16] = hwif_in.image_active.height.next;
+        if(rd_mux_addr == 8'h24) begin
+            readback_data_var[9:0] = hwif_in.image_active.width.next;
+            readback_data_var[25:16] = hwif_in.image_active.height.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h28)) begin
-            readback_data_var[ad_hi(8'h28)][17:0] = field_storage.coef.value.value;
-            readback_data_var[ad_hi(8'h28)][20] = field_storage.coef.second.value;
-            readback_data_var[ad_hi(8'h28)][28:24] = field_storage.coef.index.value;
+        if(rd_mux_addr == 8'h28) begin
+            readback_data_var[17:0] = field_storage.coef.value.value;
+            readback_data_var[20] = field_storage.coef.second.value;
+            readback_data_var[28:24] = field_storage.coef.index.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h2c)) begin
-            readback_data_var[ad_hi(8'h2c)][0] = hwif_in.filter.busy.next;
-            readback_data_var[ad_hi(8'h2c)][1] = hwif_in.filter.size_error.next;
-            readback_data_var[ad_hi(8'h2c)][9:8] = hwif_in.filter.active.next;
+        if(rd_mux_addr == 8'h2c) begin
+            readback_data_var[0] = hwif_in.filter.busy.next;
+            readback_data_var[1] = hwif_in.filter.size_error.next;
+            readback_data_var[9:8] = hwif_in.filter.active.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h30)) begin
-            readback_data_var[ad_hi(8'h30)][2:0] = field_storage.capture.slot.value;
-            readback_data_var[ad_hi(8'h30)][8] = field_storage.capture.camera.value;
-            readback_data_var[ad_hi(8'h30)][16] = field_storage.capture.cancel.value;
+        if(rd_mux_addr == 8'h30) begin
+            readback_data_var[2:0] = field_storage.capture.slot.value;
+            readback_data_var[8] = field_storage.capture.camera.value;
+            readback_data_var[16] = field_storage.capture.cancel.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h34)) begin
-            readback_data_var[ad_hi(8'h34)][7:0] = hwif_in.slot_status.valid.next;
-            readback_data_var[ad_hi(8'h34)][9:8] = hwif_in.slot_status.armed.next;
-            readback_data_var[ad_hi(8'h34)][13:12] = hwif_in.slot_status.writing.next;
-            readback_data_var[ad_hi(8'h34)][16] = hwif_in.slot_status.refused.next;
+        if(rd_mux_addr == 8'h34) begin
+            readback_data_var[7:0] = hwif_in.slot_status.valid.next;
+            readback_data_var[9:8] = hwif_in.slot_status.armed.next;
+            readback_data_var[13:12] = hwif_in.slot_status.writing.next;
+            readback_data_var[16] = hwif_in.slot_status.refused.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h40)) begin
-            readback_data_var[ad_hi(8'h40)][9:0] = field_storage.job.tpl.x.value;
-            readback_data_var[ad_hi(8'h40)][21:12] = field_storage.job.tpl.y.value;
-            readback_data_var[ad_hi(8'h40)][26:24] = field_storage.job.tpl.slot.value;
+        if(rd_mux_addr == 8'h40) begin
+            readback_data_var[9:0] = field_storage.job.tpl.x.value;
+            readback_data_var[21:12] = field_storage.job.tpl.y.value;
+            readback_data_var[26:24] = field_storage.job.tpl.slot.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h44)) begin
-            readback_data_var[ad_hi(8'h44)][7:0] = field_storage.job.window.width.value;
-            readback_data_var[ad_hi(8'h44)][23:16] = field_storage.job.window.height.value;
+        if(rd_mux_addr == 8'h44) begin
+            readback_data_var[7:0] = field_storage.job.window.width.value;
+            readback_data_var[23:16] = field_storage.job.window.height.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h48)) begin
-            readback_data_var[ad_hi(8'h48)][9:0] = field_storage.job.search.x.value;
-            readback_data_var[ad_hi(8'h48)][21:12] = field_storage.job.search.y.value;
-            readback_data_var[ad_hi(8'h48)][26:24] = field_storage.job.search.slot.value;
+        if(rd_mux_addr == 8'h48) begin
+            readback_data_var[9:0] = field_storage.job.search.x.value;
+            readback_data_var[21:12] = field_storage.job.search.y.value;
+            readback_data_var[26:24] = field_storage.job.search.slot.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h4c)) begin
-            readback_data_var[ad_hi(8'h4c)][9:0] = field_storage.job.offsets.across.value;
-            readback_data_var[ad_hi(8'h4c)][25:16] = field_storage.job.offsets.down.value;
+        if(rd_mux_addr == 8'h4c) begin
+            readback_data_var[9:0] = field_storage.job.offsets.across.value;
+            readback_data_var[25:16] = field_storage.job.offsets.down.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h50)) begin
-            readback_data_var[ad_hi(8'h50)][9:0] = field_storage.job.grid.across.value;
-            readback_data_var[ad_hi(8'h50)][25:16] = field_storage.job.grid.down.value;
+        if(rd_mux_addr == 8'h50) begin
+            readback_data_var[9:0] = field_storage.job.grid.across.value;
+            readback_data_var[25:16] = field_storage.job.grid.down.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h54)) begin
-            readback_data_var[ad_hi(8'h54)][9:0] = field_storage.job.step.x.value;
-            readback_data_var[ad_hi(8'h54)][25:16] = field_storage.job.step.y.value;
+        if(rd_mux_addr == 8'h54) begin
+            readback_data_var[9:0] = field_storage.job.step.x.value;
+            readback_data_var[25:16] = field_storage.job.step.y.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h58)) begin
-            readback_data_var[ad_hi(8'h58)][15:0] = field_storage.job.submit.tag.value;
-            readback_data_var[ad_hi(8'h58)][16] = field_storage.job.submit.surface.value;
+        if(rd_mux_addr == 8'h58) begin
+            readback_data_var[15:0] = field_storage.job.submit.tag.value;
+            readback_data_var[16] = field_storage.job.submit.surface.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h5c)) begin
-            readback_data_var[ad_hi(8'h5c)][15:0] = hwif_in.job.status.waiting.next;
-            readback_data_var[ad_hi(8'h5c)][16] = hwif_in.job.status.ready.next;
-            readback_data_var[ad_hi(8'h5c)][17] = hwif_in.job.status.busy.next;
+        if(rd_mux_addr == 8'h5c) begin
+            readback_data_var[15:0] = hwif_in.job.status.waiting.next;
+            readback_data_var[16] = hwif_in.job.status.ready.next;
+            readback_data_var[17] = hwif_in.job.status.busy.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h60)) begin
-            readback_data_var[ad_hi(8'h60)][15:0] = hwif_in.result.pop.waiting.next;
+        if(rd_mux_addr == 8'h60) begin
+            readback_data_var[15:0] = hwif_in.result.pop.waiting.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h64)) begin
-            readback_data_var[ad_hi(8'h64)][15:0] = hwif_in.result.head.tag.next;
-            readback_data_var[ad_hi(8'h64)][18:16] = hwif_in.result.head.status.next;
-            readback_data_var[ad_hi(8'h64)][31] = hwif_in.result.head.valid.next;
+        if(rd_mux_addr == 8'h64) begin
+            readback_data_var[15:0] = hwif_in.result.head.tag.next;
+            readback_data_var[18:16] = hwif_in.result.head.status.next;
+            readback_data_var[31] = hwif_in.result.head.valid.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h68)) begin
-            readback_data_var[ad_hi(8'h68)][9:0] = hwif_in.result.best.x.next;
-            readback_data_var[ad_hi(8'h68)][25:16] = hwif_in.result.best.y.next;
+        if(rd_mux_addr == 8'h68) begin
+            readback_data_var[9:0] = hwif_in.result.best.x.next;
+            readback_data_var[25:16] = hwif_in.result.best.y.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h6c)) begin
-            readback_data_var[ad_hi(8'h6c)][14:0] = hwif_in.result.scores.score.next;
-            readback_data_var[ad_hi(8'h6c)][30:16] = hwif_in.result.scores.runner_up.next;
+        if(rd_mux_addr == 8'h6c) begin
+            readback_data_var[14:0] = hwif_in.result.scores.score.next;
+            readback_data_var[30:16] = hwif_in.result.scores.runner_up.next;
         end
         for(int i0=0; i0<4; i0++) begin
-            if(ad_low(rd_mux_addr) == ad_low(8'h70 + (8)'(i0) * 8'h4)) begin
-                readback_data_var[ad_hi(8'h70 + (8)'(i0) * 8'h4)][14:0] = hwif_in.result.neighbour[i0].even.next;
-                readback_data_var[ad_hi(8'h70 + (8)'(i0) * 8'h4)][30:16] = hwif_in.result.neighbour[i0].odd.next;
+            if(rd_mux_addr == 8'h70 + (8)'(i0) * 8'h4) begin
+                readback_data_var[14:0] = hwif_in.result.neighbour[i0].even.next;
+                readback_data_var[30:16] = hwif_in.result.neighbour[i0].odd.next;
             end
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h80)) begin
-            readback_data_var[ad_hi(8'h80)][23:0] = field_storage.peek_address.word.value;
+        if(rd_mux_addr == 8'h80) begin
+            readback_data_var[23:0] = field_storage.peek_address.word.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h84)) begin
-            readback_data_var[ad_hi(8'h84)][31:0] = hwif_in.peek_data.value.next;
+        if(rd_mux_addr == 8'h84) begin
+            readback_data_var[31:0] = hwif_in.peek_data.value.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h90)) begin
-            readback_data_var[ad_hi(8'h90)][0] = hwif_in.irq_status.result.next;
-            readback_data_var[ad_hi(8'h90)][1] = field_storage.irq_status.capture.value;
-            readback_data_var[ad_hi(8'h90)][2] = field_storage.irq_status.drop.value;
-            readback_data_var[ad_hi(8'h90)][3] = field_storage.irq_status.overflow.value;
+        if(rd_mux_addr == 8'h90) begin
+            readback_data_var[0] = hwif_in.irq_status.result.next;
+            readback_data_var[1] = field_storage.irq_status.capture.value;
+            readback_data_var[2] = field_storage.irq_status.drop.value;
+            readback_data_var[3] = field_storage.irq_status.overflow.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'h94)) begin
-            readback_data_var[ad_hi(8'h94)][0] = field_storage.irq_enable.result.value;
-            readback_data_var[ad_hi(8'h94)][1] = field_storage.irq_enable.capture.value;
-            readback_data_var[ad_hi(8'h94)][2] = field_storage.irq_enable.drop.value;
-            readback_data_var[ad_hi(8'h94)][3] = field_storage.irq_enable.overflow.value;
+        if(rd_mux_addr == 8'h94) begin
+            readback_data_var[0] = field_storage.irq_enable.result.value;
+            readback_data_var[1] = field_storage.irq_enable.capture.value;
+            readback_data_var[2] = field_storage.irq_enable.drop.value;
+            readback_data_var[3] = field_storage.irq_enable.overflow.value;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'ha0)) begin
-            readback_data_var[ad_hi(8'ha0)][31:0] = hwif_in.counter.clocks.value.next;
+        if(rd_mux_addr == 8'ha0) begin
+            readback_data_var[31:0] = hwif_in.counter.clocks.value.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'ha4)) begin
-            readback_data_var[ad_hi(8'ha4)][31:0] = hwif_in.counter.busy.value.next;
+        if(rd_mux_addr == 8'ha4) begin
+            readback_data_var[31:0] = hwif_in.counter.busy.value.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'ha8)) begin
-            readback_data_var[ad_hi(8'ha8)][31:0] = hwif_in.counter.scores.value.next;
+        if(rd_mux_addr == 8'ha8) begin
+            readback_data_var[31:0] = hwif_in.counter.scores.value.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'hac)) begin
-            readback_data_var[ad_hi(8'hac)][31:0] = hwif_in.counter.jobs.value.next;
+        if(rd_mux_addr == 8'hac) begin
+            readback_data_var[31:0] = hwif_in.counter.jobs.value.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'hb0)) begin
-            readback_data_var[ad_hi(8'hb0)][31:0] = hwif_in.counter.refused.value.next;
+        if(rd_mux_addr == 8'hb0) begin
+            readback_data_var[31:0] = hwif_in.counter.refused.value.next;
         end
-        if(ad_low(rd_mux_addr) == ad_low(8'hb4)) begin
-            readback_data_var[ad_hi(8'hb4)][31:0] = hwif_in.counter.overflows.value.next;
+        if(rd_mux_addr == 8'hb4) begin
+            readback_data_var[31:0] = hwif_in.counter.overflows.value.next;
         end
         for(int i0=0; i0<2; i0++) begin
-            if(ad_low(rd_mux_addr) == ad_low(8'hb8 + (8)'(i0) * 8'h4)) begin
-                readback_data_var[ad_hi(8'hb8 + (8)'(i0) * 8'h4)][31:0] = hwif_in.counter.frames[i0].value.next;
+            if(rd_mux_addr == 8'hb8 + (8)'(i0) * 8'h4) begin
+                readback_data_var[31:0] = hwif_in.counter.frames[i0].value.next;
             end
         end
         for(int i0=0; i0<2; i0++) begin
-            if(ad_low(rd_mux_addr) == ad_low(8'hc0 + (8)'(i0) * 8'h4)) begin
-                readback_data_var[ad_hi(8'hc0 + (8)'(i0) * 8'h4)][31:0] = hwif_in.counter.drops[i0].value.next;
+            if(rd_mux_addr == 8'hc0 + (8)'(i0) * 8'h4) begin
+                readback_data_var[31:0] = hwif_in.counter.drops[i0].value.next;
             end
         end
-        readback_data_rt_c = readback_data_var;
+            readback_word[word] = readback_data_var;
+        end
     end
-
-    logic [31:0] readback_data_rt[8];
-    logic readback_done_rt;
-    logic readback_err_rt;
-    logic [7:0] readback_addr_rt;
+    logic [31:0] readback_four[16];
+    logic [31:0] readback_sixteen[4];
     always_ff @(posedge clk) begin
-        if(rst) begin
-            for(int i=0; i<8; i++) readback_data_rt[i] <= '0;
-            readback_done_rt <= '0;
-            readback_err_rt <= '0;
-            readback_addr_rt <= '0;
-        end else begin
-            readback_data_rt <= readback_data_rt_c;
-            readback_err_rt <= decoded_err;
-            readback_done_rt <= decoded_req & ~decoded_req_is_wr;
-            readback_addr_rt <= rd_mux_addr;
-        end
+        for(int i=0; i<16; i++) readback_four[i] <= readback_word[{i[3:0], decoded_addr[3:2]}];
+        for(int i=0; i<4; i++) readback_sixteen[i] <= readback_four[{i[1:0], decoded_addr[5:4]}];
+        readback_done <= rst ? '0 : decoded_req & ~decoded_req_is_wr;
     end
-
-
-
-    // readback stage 2
-    always_comb begin
-        readback_data = readback_data_rt[readback_addr_rt[7:5]];
-        readback_done = readback_done_rt;
-        readback_err = '0;
-    end
+    assign readback_data = readback_sixteen[decoded_addr[7:6]];
+    assign readback_err = '0;
 
     assign cpuif_rd_ack = readback_done;
     assign cpuif_rd_data = readback_data;
