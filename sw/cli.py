@@ -28,6 +28,8 @@ def main() -> None:
         application(*asked)()
     except BrokenPipeError:
         sys.exit(0)
+    except KeyboardInterrupt:  # while still loading
+        sys.exit(130)
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ def _links(edges: Columns, piece: Columns, kinds: list[str]) -> str:
     x, y = [z.real for z in at.values()], [z.imag for z in at.values()]
     ax.plot(x, y, "k.", ms=4)
     ax.set(xlabel="x, px", ylabel="y, px")
-    ax.set_aspect("equal")
+    ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
     ax.legend(fontsize=8)
     return plot(fig, "frame centres in the mosaic plane and the links between them")
