@@ -185,14 +185,16 @@ module slog_peak
       .outcome_i(outcome), .around_valid_o(around_valid), .around_o(around),
       .verdict_valid_o(verdict_valid), .verdict_o(verdict));
 
-  // Results: neighbours are known before the rest, so each half has a queue and they leave together. A job's last
-  // row is searched only when a place is kept for its result, so neither queue is ever found full.
-  logic around_room, around_out_valid, verdict_room, verdict_out_valid, result_pop;
+  // Results: neighbours are known before the rest, so each half has a queue, and they leave together into a register. A
+  // job's last row is searched only when a place is kept for its result, so neither queue is ever found full.
+  logic around_room, around_out_valid, verdict_room, verdict_out_valid, result_room, result_pop;
   verdict_t verdict_out;
   logic [7:0][ScoreW-1:0] around_out;
-  logic [ResultLevelW-1:0] unused_around_level, kept_q;
-  logic keep_q, popped_q;        // a place is kept, a result left: one clock late
+  logic [ResultLevelW-1:0] unused_around_level, unused_verdict_level, kept_q, level_q;
+  logic keep, popped;            // a place is kept, a result left
+  logic keep_q, popped_q;        // one clock late
   logic kept_all_q, kept_one_q;  // no place is left, one is
+  logic room_q;
   slog_ram_fifo #(.Width(8 * ScoreW), .Depth(ResultDepth), .Kept(1'b1)) u_around (
       .clk_i, .rst_i, .in_valid_i(around_valid), .in_ready_o(around_room), .in_data_i(around),
       .out_valid_o(around_out_valid), .out_ready_i(result_pop), .out_data_o(around_out),
@@ -200,26 +202,36 @@ module slog_peak
   slog_ram_fifo #(.Width($bits(verdict_t)), .Depth(ResultDepth), .Kept(1'b1)) u_verdict (
       .clk_i, .rst_i, .in_valid_i(verdict_valid), .in_ready_o(verdict_room), .in_data_i(verdict),
       .out_valid_o(verdict_out_valid), .out_ready_i(result_pop), .out_data_o(verdict_out),
-      .level_o(res_level_o));
+      .level_o(unused_verdict_level));
 
-  assign res_valid_o = verdict_out_valid;  // the neighbours are there before it
-  assign result_pop  = verdict_out_valid && res_ready_i;
-  assign res_o = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
+  result_t whole;
+  assign result_pop = verdict_out_valid && result_room;  // the neighbours are there before it
+  assign whole = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
                    best_y: verdict_out.best_y, score: verdict_out.score, neighbour: around_out,
                    runner_up: verdict_out.runner_up};
+  slog_stage #(.Width($bits(result_t))) u_result (
+      .clk_i, .rst_i, .in_valid_i(verdict_out_valid), .in_ready_o(result_room), .in_data_i(whole),
+      .out_valid_o(res_valid_o), .out_ready_i(res_ready_i), .out_data_o(res_o));
+  assign res_level_o = level_q;
 
-  // Orders come at most one in two clocks, so this has seen the last one.
-  assign room = !kept_all_q && !(kept_one_q && keep_q);
+  assign keep   = decided_valid && decided.last;
+  assign popped = res_valid_o && res_ready_i;
+  assign room   = room_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       kept_q     <= '0;
       kept_all_q <= 1'b0;
       kept_one_q <= 1'b0;
+      room_q     <= 1'b1;
       keep_q     <= 1'b0;
       popped_q   <= 1'b0;
+      level_q    <= '0;
     end else begin
-      keep_q   <= decided_valid && decided.last;
-      popped_q <= result_pop;
+      // Orders come at most one in two clocks, so this has seen the last one.
+      room_q   <= popped_q || !(kept_all_q || (kept_one_q && (keep_q || keep)));
+      keep_q   <= keep;
+      popped_q <= popped;
+      if (verdict_valid != popped) level_q <= popped ? level_q - 1'b1 : level_q + 1'b1;
       if (keep_q != popped_q) begin
         kept_q     <= popped_q ? kept_q - 1'b1 : kept_q + 1'b1;
         kept_all_q <= !popped_q && kept_one_q;
@@ -237,6 +249,8 @@ module slog_peak
   `SLOG_ASSERT(SlogPeakOutcomeThere, !far_valid || outcome_valid)
   `SLOG_ASSERT(SlogPeakResultRoom, (!around_valid || around_room) && (!verdict_valid || verdict_room))
   `SLOG_ASSERT(SlogPeakResultWhole, !verdict_out_valid || around_out_valid)
+  `SLOG_ASSERT(SlogPeakLevel, level_q <= kept_q + ResultLevelW'(keep_q))
+  `SLOG_ASSERT(SlogPeakRoom, room_q == (!kept_all_q && !(kept_one_q && keep_q)))
   `SLOG_ASSERT(SlogPeakKept, kept_all_q == (kept_q == ResultLevelW'(ResultDepth))
                              && kept_one_q == (kept_q == ResultLevelW'(ResultDepth - 1)))
 endmodule : slog_peak

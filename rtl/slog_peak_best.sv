@@ -48,13 +48,14 @@ module slog_peak_best
   logic [1:0] released_q;
   row_t row_q;
   logic more_q;  // !row_q.last
+  logic edge_q;  // row_q.first || row_q.last
   logic [ScoreW-1:0] top_q;
   logic [9:0] top_x_q;
   // The job so far.
   logic [ScoreW-1:0] best_q;
   logic [9:0] best_x_q, best_y_q;
   maybe_t before_q;  // best of rows 0..r-2; 0 between jobs
-  logic [1:0] gap_q;  // rows from the best to this one, 2 = two or more
+  logic far_q;       // the best is two rows above this one, or more
   // The row that waits.
   logic complete_q, top_used_q;  // not of the row after one taken in the clock before: held_q is set then
   logic refused_next_q, only_next_q, brief_next_q;
@@ -69,7 +70,7 @@ module slog_peak_best
   assign top_ready_o = !held_q && top_used_q;
 
   assign hand            = held_q && order_room_i && (room_i || more_q);
-  assign order_valid_o   = !stay_q;
+  assign order_valid_o   = hand_q;
   assign outcome_valid_o = hand_q;
   assign released_o      = released_q;
 
@@ -100,6 +101,7 @@ module slog_peak_best
     if (open_q) begin
       row_q     <= row_i;
       more_q    <= !row_i.last;
+      edge_q    <= row_i.first || row_i.last;
       refused_q <= refused_next_q;
       only_q    <= only_next_q;
       brief_q   <= brief_next_q;
@@ -108,15 +110,13 @@ module slog_peak_best
     end
     fresh_q <= row_q.first || is_above(32'(top_q), 32'(best_q));
     if (rst_i) before_q <= '0;
-    else if (!stay_q) before_q <= (row_q.first || row_q.last) ? '0 : {1'b1, best_q};
+    else if (!stay_q) before_q <= edge_q ? '0 : {1'b1, best_q};
     if (!stay_q) begin
+      far_q <= !fresh_q;
       if (fresh_q) begin
         best_q   <= top_q;
         best_x_q <= top_x_q;
         best_y_q <= row_q.y;
-        gap_q    <= 2'd1;
-      end else begin
-        gap_q    <= 2'd2;
       end
     end
   end
@@ -134,7 +134,7 @@ module slog_peak_best
     end
     if (fresh_q) begin
       outcome_o.other = before_q;
-    end else if (gap_q == 2'd2) begin
+    end else if (far_q) begin
       outcome_o.other = {1'b1, top_q};
     end
   end
