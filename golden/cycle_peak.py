@@ -24,9 +24,9 @@ from golden.params import NO_SCORE, SCORE_BITS
 from golden.structs import RESULT
 
 BANKS = 4
-CONTEXT_DEPTH = 16
+CONTEXT_DEPTH = 8
 SURFACE_DEPTH = 8
-SURFACE_ROOM = 4
+SURFACE_ROOM = 5
 
 
 def known(value: int | None) -> int:
@@ -64,6 +64,7 @@ class PeakModel:
         """Empty the queues between the parts."""
         self.contexts, self.context = deque[int](), StageModel(half=True)
         self.surface: deque[tuple[int, int, int]] = deque()
+        self.surface_ok = 0
         self.begun, self.begun_row = deque[int](), StageModel(half=True)
         self.tops: deque[tuple[int, int]] = deque()
         self.outcomes = deque[int]()
@@ -163,7 +164,8 @@ class PeakModel:
             "rst_i": rst, "row_coming_i": known(rows["row_coming_o"]), "row_refused_i": int(fields["status"] != 0),
             "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
             "scoring_i": known(rows["scoring_o"]), "released_i": released, "mismatch_valid_i": int(queued is not None),
-            "mismatch_i": known(queued), "surf_ok_i": int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)})
+            "mismatch_i": known(queued), "surf_ok_i": self.surface_ok})
+        self.surface_ok = int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)
         fetch(rst, self.context, self.contexts, rows["ctx_ready_o"])
         if i["ctx_valid_i"] and out["ctx_ready_o"]:
             self.contexts.append(i["ctx_i"])

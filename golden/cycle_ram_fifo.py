@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-OUT_DEPTH = 5
+OUT_DEPTH = 6
 """Places of the register queue behind the RAM."""
 
 
@@ -46,8 +46,9 @@ class RamFifoModel:
         if i["rst_i"]:
             self.clear()
             return out
-        # A place is spoken for from the read to the clock after the pop.
-        read = self.stored and level - len(self.stored) < OUT_DEPTH
+        # A place is spoken for from the clock after the read to the clock after the pop; another is kept for that read.
+        spoken = level - len(self.stored) - (self.flying[-1] is not None)
+        read = self.stored and spoken <= OUT_DEPTH - 2
         self.flying.append(self.stored.popleft() if read else None)
         self.left = int(bool(self.front and i["out_ready_i"]))
         if self.left:

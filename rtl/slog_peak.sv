@@ -48,10 +48,10 @@ module slog_peak
   localparam int unsigned Banks = 4;
   localparam int unsigned RowDepth = 4;    // rows begun and not decided: each holds a bank
   localparam int unsigned RowLevelW = $clog2(RowDepth + 1);
-  localparam int unsigned ContextDepth = 16;
+  localparam int unsigned ContextDepth = 8;
   localparam int unsigned OutcomeDepth = 8;  // rows in the scan's pipeline, one in two clocks
   localparam int unsigned SurfaceDepth = 8;
-  localparam int unsigned SurfaceRoom = 4;   // scores that may be on their way when surf_ok falls
+  localparam int unsigned SurfaceRoom = 5;   // scores that may be on their way when surf_ok_q falls
 
   // Scores wait here, so that a row can run into it whatever the search behind is doing.
   logic queue_valid, queue_ready, queue_room;
@@ -77,31 +77,32 @@ module slog_peak
       .clk_i, .rst_i, .in_valid_i(queued_ctx_valid), .in_ready_o(queued_ctx_ready), .in_data_i(queued_ctx),
       .out_valid_o(ctx_valid), .out_ready_i(ctx_ready), .out_data_o(ctx));
 
-  logic row_coming, row_taken, no_row_q;  // no_row_q: none was taken in the clock before
+  logic row_coming, row_taken, row_refused, no_row_q;  // no_row_q: none was taken in the clock before
   row_t row;
   scoring_t scoring;
   slog_peak_rows u_rows (
       .clk_i, .rst_i, .ctx_valid_i(ctx_valid), .ctx_ready_o(ctx_ready), .ctx_i(ctx),
-      .row_coming_o(row_coming), .row_taken_i(row_taken), .row_o(row), .scoring_o(scoring));
+      .row_coming_o(row_coming), .row_taken_i(row_taken), .row_o(row), .refused_o(row_refused),
+      .scoring_o(scoring));
   always_ff @(posedge clk_i) begin
     if (rst_i) no_row_q <= 1'b1;
     else no_row_q <= !row_taken;
   end
 
   // Scores with their places.
-  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok;
+  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok_q;
   logic [9:0] score_x;
   logic [ScoreW-1:0] score;
   logic [Banks-1:0] write_bank;
   logic [1:0] released;
   slog_peak_intake #(.ScoreBits(ScoreBits), .Banks(Banks)) u_intake (
-      .clk_i, .rst_i, .row_coming_i(row_coming), .row_taken_o(row_taken), .row_refused_i(row.status != StatusOk),
+      .clk_i, .rst_i, .row_coming_i(row_coming), .row_taken_o(row_taken), .row_refused_i(row_refused),
       .row_last_x_i(row.last_x), .row_first_i(row.first), .row_last_i(row.last), .scoring_i(scoring),
       .released_i(released),
       .mismatch_valid_i(queue_valid), .mismatch_ready_o(queue_ready), .mismatch_i(queue_mismatch),
       .score_valid_o(score_valid), .score_first_o(score_first), .score_last_o(score_last), .score_x_o(score_x),
       .score_o(score), .bank_o(write_bank),
-      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok));
+      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok_q));
 
   // Surface stream.
   logic surf_room;
@@ -111,7 +112,10 @@ module slog_peak
       .clk_i, .rst_i, .in_valid_i(surf_valid), .in_ready_o(surf_room), .in_data_i({surf_last, surf_first, score}),
       .out_valid_o(surf_tvalid_o), .out_ready_i(surf_tvalid_o && surf_tready_i),
       .out_data_o({surf_tlast_o, surf_tuser_o, surf_tdata_o[ScoreW-1:0]}), .level_o(surf_level));
-  assign surf_ok = 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) surf_ok_q <= 1'b0;
+    else surf_ok_q <= 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
+  end
 
   // Row banks: row r of offsets, counted over all jobs, in bank r mod Banks.
   logic [Banks-1:0] read;
@@ -231,7 +235,7 @@ module slog_peak
       room_q   <= popped_q || !(kept_all_q || (kept_one_q && (keep_q || keep)));
       keep_q   <= keep;
       popped_q <= popped;
-      if (verdict_valid != popped) level_q <= popped ? level_q - 1'b1 : level_q + 1'b1;
+      if (verdict_valid != popped) level_q <= verdict_valid ? level_q + 1'b1 : level_q - 1'b1;
       if (keep_q != popped_q) begin
         kept_q     <= popped_q ? kept_q - 1'b1 : kept_q + 1'b1;
         kept_all_q <= !popped_q && kept_one_q;

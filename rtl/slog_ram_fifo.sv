@@ -27,26 +27,32 @@ module slog_ram_fifo #(
   localparam int unsigned AddrW = $clog2(Depth);
   localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
   // One word per clock needs as many places behind the RAM as clocks from a read to the pop that returns its place.
-  localparam int unsigned OutDepth = 5;
+  localparam int unsigned OutDepth = 6;
   localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
 
-  logic [AddrW-1:0] head_q, tail_q, after_head_q, after_tail_q;
+  logic [AddrW-1:0] head_q, tail_q, after_tail_q;
+  logic [AddrW-1:0] newest_q;    // place before tail_q
   logic [AddrW-1:0] front_q;     // place of the next word to leave
   logic [LevelW-1:0] level_q;    // words inside
-  logic [OutDepth:0] free_q;     // places of the output queue not spoken for, one-hot
-  logic full_q, some_q;          // level_q == Depth; words in the RAM not asked for yet
+  logic [OutDepth:0] free_q;     // places of the output queue not spoken for, one-hot; a read counts a clock late
+  logic full_q, room_q;          // level_q == Depth; two places free, one of which may have gone in the clock before
   logic read_q, read_q2;         // a word is on its way
+  // Words in the RAM not asked for yet: one that has just come, or what the pointers of the clock before say.
+  logic some, push_q, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
   logic pop_q;                   // a word left: its place and the level follow a clock late, as little hangs on pop then
   logic push, pop, read, more, less;
+  logic two;                     // free_q is two or more in the next clock
   logic [Width-1:0] ram_data;
 
   assign in_ready_o = !full_q;
   assign level_o    = level_q;
   assign push       = in_valid_i && (Kept || !full_q);
   assign pop        = out_ready_i && (Kept || out_valid_o);
-  assign read       = some_q && !free_q[0];
-  assign more       = pop_q && !read;
-  assign less       = read && !pop_q;
+  assign some       = push_q || (read_q ? others_q : some_q);
+  assign read       = some && room_q;
+  assign more       = pop_q && !read_q;
+  assign less       = read_q && !pop_q;
+  assign two        = more ? !free_q[0] : less ? free_q[2:0] == '0 : room_q;
 
   function automatic logic [AddrW-1:0] after(logic [AddrW-1:0] place);
     return (place == Last) ? '0 : place + 1'b1;
@@ -57,35 +63,38 @@ module slog_ram_fifo #(
       head_q       <= '0;
       tail_q       <= '0;
       front_q      <= '0;
-      after_head_q <= after('0);
       after_tail_q <= after('0);
       level_q      <= '0;
       free_q       <= (OutDepth + 1)'(1) << OutDepth;
       full_q       <= 1'b0;
+      room_q       <= 1'b1;
+      push_q       <= 1'b0;
       some_q       <= 1'b0;
+      others_q     <= 1'b0;
       pop_q        <= 1'b0;
       read_q       <= 1'b0;
       read_q2      <= 1'b0;
     end else begin
       if (push) begin
+        newest_q     <= tail_q;
         tail_q       <= after_tail_q;
         after_tail_q <= after(after_tail_q);
       end
-      if (read) begin
-        head_q       <= after_head_q;
-        after_head_q <= after(after_head_q);
-      end
+      if (read) head_q <= after(head_q);
       if (pop_q) front_q <= after(front_q);
       if (push != pop_q) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
       // Not as an enable, which would be a level of logic more.
       free_q  <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
                | ({OutDepth + 1{!(more || less)}} & free_q);
-      // One place is left: level_q == Depth - 1. One word is left in the RAM.
-      full_q  <= !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
-      some_q  <= push || (some_q && !(!free_q[0] && after_head_q == tail_q));
-      pop_q   <= pop;
-      read_q  <= read;
-      read_q2 <= read_q;
+      // One place is left: level_q == Depth - 1.
+      full_q   <= !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
+      room_q   <= two;
+      push_q   <= push;
+      some_q   <= head_q != tail_q;
+      others_q <= newest_q != head_q;
+      pop_q    <= pop;
+      read_q   <= read;
+      read_q2  <= read_q;
     end
   end
 
@@ -104,6 +113,7 @@ module slog_ram_fifo #(
   // The output queue's places that are spoken for.
   logic [OutLevelW-1:0] taken;
   assign taken = out_level + OutLevelW'(read_q) + OutLevelW'(read_q2) + OutLevelW'(pop_q);
-  `SLOG_ASSERT(SlogRamFifoPlaces, free_q == (OutDepth + 1)'(1) << (OutDepth - 32'(taken)))
-  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (32'(level_q) != 32'(taken)))
+  `SLOG_ASSERT(SlogRamFifoPlaces, free_q == (OutDepth + 1)'(1) << (OutDepth - 32'(taken) + 32'(read_q)))
+  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some == (32'(level_q) != 32'(taken))
+                                 && room_q == (free_q[1:0] == '0))
 endmodule : slog_ram_fifo
