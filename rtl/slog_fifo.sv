@@ -60,7 +60,8 @@ module slog_fifo #(
       if (push) tail_q <= after(tail_q);
       if (pop) head_q <= after(head_q);
       // Not as an enable, which would be a level of logic more.
-      held_q <= ({Depth + 1{up}} & held_q << 1) | ({Depth + 1{down}} & held_q >> 1) | ({Depth + 1{!(up || down)}} & held_q);
+      held_q <= ({Depth + 1{up}} & held_q << 1) | ({Depth + 1{down}} & held_q >> 1)
+              | ({Depth + 1{!(up || down)}} & held_q);
     end
   end
 

@@ -74,7 +74,7 @@ module slog_peak_scan
       bank_q    <= Banks'(1) << (Banks - 1);
     end else if (order_valid_i) begin
       open_q    <= 1'b0;
-      last_q    <= 1'b0;
+      last_q    <= !open_q && room_q;
       room_q    <= order_i.brief;
       reading_q <= !order_i.only;
       read_q    <= !order_i.fresh ? '0 : (next_bank & {Banks{order_i.middle}})

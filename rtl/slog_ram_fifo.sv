@@ -26,7 +26,8 @@ module slog_ram_fifo #(
   `SLOG_ASSERT_INIT(SlogRamFifoDepth, Depth >= 2)
   localparam int unsigned AddrW = $clog2(Depth);
   localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
-  // One word per clock needs as many places behind the RAM as clocks from a read to the pop that returns its place.
+  // One word per clock needs as many places behind the RAM as clocks from a read to the return of its place, and one for
+  // the read that is not counted yet.
   localparam int unsigned OutDepth = 6;
   localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
 
@@ -39,7 +40,7 @@ module slog_ram_fifo #(
   logic read_q, read_q2;         // a word is on its way
   // Words in the RAM not asked for yet: one that has just come, or what the pointers of the clock before say.
   logic some, push_q, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
-  logic pop_q;                   // a word left: its place and the level follow a clock late, as little hangs on pop then
+  logic pop_q;                   // a word left: its place and the level follow a clock late, to leave little to pop
   logic push, pop, read, more, less;
   logic two;                     // free_q is two or more in the next clock
   logic [Width-1:0] ram_data;
