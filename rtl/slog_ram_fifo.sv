@@ -36,12 +36,13 @@ module slog_ram_fifo #(
   logic [AddrW-1:0] front_q;     // place of the next word to leave
   logic [LevelW-1:0] level_q;    // words inside
   logic [OutDepth:0] free_q;     // places of the output queue not spoken for, one-hot; a read counts a clock late
-  logic full_q, room_q;          // level_q == Depth; two places free, one of which may have gone in the clock before
+  logic full_q, open_q;          // level_q == Depth; !full_q: apart from it, for the level
+  logic room_q;                  // two places free, one of which may have gone in the clock before
   logic read_q, read_q2;         // a word is on its way
   // Words in the RAM not asked for yet: one that has just come, or what the pointers of the clock before say.
   logic some, push_q, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
   logic pop_q;                   // a word left: its place and the level follow a clock late, to leave little to pop
-  logic push, pop, read, more, less;
+  logic push, pop, read, more, less, full;
   logic two;                     // free_q is two or more in the next clock
   logic [Width-1:0] ram_data;
 
@@ -51,6 +52,8 @@ module slog_ram_fifo #(
   assign pop        = out_ready_i && (Kept || out_valid_o);
   assign some       = push_q || (read_q ? others_q : some_q);
   assign read       = some && room_q;
+  // One place is left: level_q == Depth - 1.
+  assign full       = !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
   assign more       = pop_q && !read_q;
   assign less       = read_q && !pop_q;
   assign two        = more ? !free_q[0] : less ? free_q[2:0] == '0 : room_q;
@@ -68,6 +71,7 @@ module slog_ram_fifo #(
       level_q      <= '0;
       free_q       <= (OutDepth + 1)'(1) << OutDepth;
       full_q       <= 1'b0;
+      open_q       <= 1'b1;
       room_q       <= 1'b1;
       push_q       <= 1'b0;
       some_q       <= 1'b0;
@@ -77,18 +81,17 @@ module slog_ram_fifo #(
       read_q2      <= 1'b0;
     end else begin
       if (push) begin
-        newest_q     <= tail_q;
         tail_q       <= after_tail_q;
         after_tail_q <= after(after_tail_q);
       end
       if (read) head_q <= after(head_q);
       if (pop_q) front_q <= after(front_q);
-      if (push != pop_q) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
+      if ((in_valid_i && (Kept || open_q)) != pop_q) level_q <= pop_q ? level_q - 1'b1 : level_q + 1'b1;
       // Not as an enable, which would be a level of logic more.
       free_q  <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
                | ({OutDepth + 1{!(more || less)}} & free_q);
-      // One place is left: level_q == Depth - 1.
-      full_q   <= !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
+      full_q   <= full;
+      open_q   <= !full;
       room_q   <= two;
       push_q   <= push;
       some_q   <= head_q != tail_q;
@@ -97,6 +100,10 @@ module slog_ram_fifo #(
       read_q   <= read;
       read_q2  <= read_q;
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (push) newest_q <= tail_q;
   end
 
   slog_ram #(.Width(Width), .Depth(Depth)) u_ram (
@@ -115,6 +122,7 @@ module slog_ram_fifo #(
   logic [OutLevelW-1:0] taken;
   assign taken = out_level + OutLevelW'(read_q) + OutLevelW'(read_q2) + OutLevelW'(pop_q);
   `SLOG_ASSERT(SlogRamFifoPlaces, free_q == (OutDepth + 1)'(1) << (OutDepth - 32'(taken) + 32'(read_q)))
-  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && some == (32'(level_q) != 32'(taken))
+  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && open_q == !full_q
+                                 && some == (32'(level_q) != 32'(taken))
                                  && room_q == (free_q[1:0] == '0))
 endmodule : slog_ram_fifo
