@@ -35,7 +35,7 @@ async def rate_and_latency(dut) -> None:
     seen: list[tuple[int, int | None]] = []
 
     def source(count: int) -> Stimulus:
-        for t in range(count + 4):
+        for t in range(count + 5):
             out = yield {"rst_i": 0, "in_valid_i": int(t < count), "in_data_i": t, "out_ready_i": 1}
             if out["out_valid_o"]:
                 seen.append((t, out["out_data_o"]))

@@ -24,9 +24,9 @@ from golden.params import NO_SCORE, SCORE_BITS
 from golden.structs import RESULT
 
 BANKS = 4
-CONTEXT_DEPTH = 16
+CONTEXT_DEPTH = 8
 SURFACE_DEPTH = 8
-SURFACE_ROOM = 4
+SURFACE_ROOM = 5
 
 
 def known(value: int | None) -> int:
@@ -64,29 +64,36 @@ class PeakModel:
         """Empty the queues between the parts."""
         self.contexts, self.context = deque[int](), StageModel(half=True)
         self.surface: deque[tuple[int, int, int]] = deque()
+        self.surface_ok = 0
         self.begun, self.begun_row = deque[int](), StageModel(half=True)
         self.tops: deque[tuple[int, int]] = deque()
         self.outcomes = deque[int]()
         self.taken: int | None = None
         self.kept, self.popped = 0, 0
+        self.front, self.waiting = StageModel(), 0
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         rst = i["rst_i"]
         surf = self.surface[0] if self.surface else None
-        offered = bool(self.verdict.front and self.around.front)
+        offered = self.front.word is not None
         popped = int(offered and i["res_ready_i"])
         out: dict[str, int | None] = {
             "ctx_ready_o": int(len(self.contexts) < CONTEXT_DEPTH), "surf_tvalid_o": int(surf is not None),
             "surf_tlast_o": surf[0] if surf else None, "surf_tuser_o": surf[1] if surf else None,
             "surf_tdata_o": surf[2] if surf else None, "res_valid_o": int(offered),
-            "res_o": self.result() if offered else None, "res_level_o": self.verdict.level}
+            "res_o": self.front.word, "res_level_o": self.waiting}
 
         best, scan = self.search(rst)
         collected = self.gather(rst, scan)
+        whole = self.result() if self.verdict.front else None
+        moved = self.front.step({"rst_i": rst, "in_valid_i": int(whole is not None), "in_data_i": known(whole),
+                                 "out_ready_i": i["res_ready_i"]})["in_ready_o"]
         for queue, name in ((self.around, "around"), (self.verdict, "verdict")):
-            queue.step({"rst_i": rst, "in_valid_i": known(collected[f"{name}_valid_o"]), "out_ready_i": popped,
+            queue.step({"rst_i": rst, "in_valid_i": known(collected[f"{name}_valid_o"]),
+                        "out_ready_i": int(whole is not None and bool(moved)),
                         "in_data_i": known(collected[f"{name}_o"])})
+        self.waiting += known(collected["verdict_valid_o"]) - popped
         ordered = bool(best["order_valid_o"])
         # Departures count one clock late.
         self.kept += int(ordered and SCAN.unpack(known(best["order_o"]))["last"]) - self.popped
@@ -157,7 +164,8 @@ class PeakModel:
             "rst_i": rst, "row_coming_i": known(rows["row_coming_o"]), "row_refused_i": int(fields["status"] != 0),
             "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
             "scoring_i": known(rows["scoring_o"]), "released_i": released, "mismatch_valid_i": int(queued is not None),
-            "mismatch_i": known(queued), "surf_ok_i": int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)})
+            "mismatch_i": known(queued), "surf_ok_i": self.surface_ok})
+        self.surface_ok = int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)
         fetch(rst, self.context, self.contexts, rows["ctx_ready_o"])
         if i["ctx_valid_i"] and out["ctx_ready_o"]:
             self.contexts.append(i["ctx_i"])

@@ -185,7 +185,7 @@ class BestModel:
         if row["status"] != Status.OK:
             return (SCAN.pack({"fresh": 1, "last": row["last"], "above": not row["first"], "middle": 0,
                                "below": not row["last"], "only": 1, "brief": 1, "last_x": row["last_x"],
-                               "best_x": tops[-1][1]}),
+                               "best_x": 0}),
                     OUTCOME.pack({**row, "fresh": 1, "other": 0, "best_x": 0, "best_y": row["y"], "score": 0}))
         scores = [score for score, _ in tops]
         r, best = len(tops) - 1, scores.index(max(scores))

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections import deque
 
-OUT_DEPTH = 4
+OUT_DEPTH = 6
 """Places of the register queue behind the RAM."""
 
 
 class RamFifoModel:
-    """Queue of `depth` words: RAM, two clocks of reading, a short queue in front. Data: undefined while not valid."""
+    """Queue of `depth` words: RAM, two clocks of reading, a short queue in front; a word that left counts for a clock.
+
+    Data is undefined while not valid.
+    """
 
     INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
     OUTPUTS = ("in_ready_o", "out_valid_o", "out_data_o", "level_o")
@@ -23,11 +26,13 @@ class RamFifoModel:
         self.stored: deque[int] = deque()
         self.flying: deque[int | None] = deque([None, None])
         self.front: deque[int] = deque()
+        self.left = 0
+        """Words that left in the clock before."""
 
     @property
     def level(self) -> int:
-        """Words inside."""
-        return len(self.stored) + len(self.front) + sum(w is not None for w in self.flying)
+        """Words inside, and those just gone."""
+        return len(self.stored) + len(self.front) + sum(w is not None for w in self.flying) + self.left
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -41,10 +46,12 @@ class RamFifoModel:
         if i["rst_i"]:
             self.clear()
             return out
-        # A place is spoken for from the read to the pop.
-        read = self.stored and level - len(self.stored) < OUT_DEPTH
+        # A place is spoken for from the clock after the read to the clock after the pop; another is kept for that read.
+        spoken = level - len(self.stored) - (self.flying[-1] is not None)
+        read = self.stored and spoken <= OUT_DEPTH - 2
         self.flying.append(self.stored.popleft() if read else None)
-        if self.front and i["out_ready_i"]:
+        self.left = int(bool(self.front and i["out_ready_i"]))
+        if self.left:
             self.front.popleft()
         arrived = self.flying.popleft()
         if arrived is not None:

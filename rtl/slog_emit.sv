@@ -11,7 +11,7 @@
 //
 // Latency    : last_i to mismatch_valid_o of lane 0: 3 + ScoreBits clocks.
 // Throughput : one score per clock; a pass's last_i comes at least lanes clocks after the one behind.
-// Reset      : clears the counters; marks left over run out before a new pass can end, slice by slice.
+// Reset      : nothing more is marked; marks left over run out before a new pass can end, slice by slice.
 // Formats    : mismatch unsigned; lanes 1..Lanes. mismatch_o is 0 while mismatch_valid_o is low.
 `include "slog_assert.svh"
 module slog_emit #(
@@ -31,25 +31,21 @@ module slog_emit #(
   localparam int unsigned Pairs = (Lanes + 1) / 2;
   localparam int unsigned Fews  = (Pairs + 3) / 4;
 
-  logic [LaneW-1:0] left_q;  // lanes to come after the one marked now
-  logic more_q;              // left_q is not 0
+  logic [LaneW-1:0] left_q;  // lanes to come after the one marked now; counts on when there are none
+  logic more_q;              // there are some
   logic [ScoreBits+2:0] valid_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      left_q  <= '0;
       more_q  <= 1'b0;
       valid_q <= '0;
     end else if (move_i) begin
       valid_q <= {valid_q[ScoreBits+1:0], last_i || more_q};
-      if (last_i) begin
-        left_q <= lanes_i - 1'b1;
-        more_q <= lanes_i != LaneW'(1);
-      end else if (more_q) begin
-        left_q <= left_q - 1'b1;
-        more_q <= left_q != LaneW'(1);
-      end
+      more_q  <= last_i ? lanes_i != LaneW'(1) : more_q && left_q != LaneW'(1);
     end
+  end
+  always_ff @(posedge clk_i) begin
+    if (move_i) left_q <= last_i ? lanes_i - 1'b1 : left_q - 1'b1;
   end
 
   logic [ScoreBits-1:0] token_q[Lanes], pair_q[4*Fews], few_q[Fews], word_q;

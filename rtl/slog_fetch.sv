@@ -73,6 +73,7 @@ module slog_fetch
   // One-hot, in their order: a job is awaited; its slots are marked; check and plan start; are under way; a ticket's place
   // and a bank are awaited; the ticket is made; template reads; the search's plan is taken; search reads; they are over.
   logic idle_q, mark_q, start_q, check_q, wait_q, issue_q, tpl_q, turn_q, search_q, over_q;
+  logic held_q;                      // !idle_q, a register of its own for all that the job is
   job_t job_q;
 
   // Check and plan.
@@ -150,6 +151,7 @@ module slog_fetch
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       idle_q         <= 1'b1;
+      held_q         <= 1'b0;
       mark_q         <= 1'b0;
       start_q        <= 1'b0;
       check_q        <= 1'b0;
@@ -176,6 +178,7 @@ module slog_fetch
       bank_q         <= 1'b1;
     end else begin
       idle_q   <= (idle_q && !job_valid_i) || refuse_q || over_q;
+      held_q   <= !((idle_q && !job_valid_i) || refuse_q || over_q);
       mark_q   <= idle_q && job_valid_i;
       start_q  <= mark_q;
       check_q  <= start_q || (check_q && !checked);
@@ -205,7 +208,7 @@ module slog_fetch
   end
 
   always_ff @(posedge clk_i) begin
-    if (idle_q) job_q <= job_i;
+    if (!held_q) job_q <= job_i;
     refused_q <= status != StatusOk;
     if (issue_q) begin
       ticket_q <= '{job: job_q, status: status, bank: !bank_q, row: 9'(ring_q), area: area};
@@ -331,7 +334,7 @@ module slog_fetch
 
   `SLOG_ASSERT(SlogFetchState,
                $onehot({idle_q, mark_q, start_q, check_q, wait_q, issue_q, tpl_q, turn_q, search_q, over_q}))
-  `SLOG_ASSERT(SlogFetchCopies, more_q == !last_q && walk_q == !take_q)
+  `SLOG_ASSERT(SlogFetchCopies, more_q == !last_q && walk_q == !take_q && held_q == !idle_q)
   `SLOG_ASSERT(SlogFetchBetween, active_q || take_q || (last_q && last_row_q && !go_q))
   `SLOG_ASSERT_INIT(SlogFetchRing, RingRows == 2 ** (RowW - 1) && RingRows >= MaxWindow && RingRows <= 256)
   `SLOG_ASSERT_STABLE(SlogFetchTicketStable, ticket_valid_o, ticket_ready_i, ticket_o)

@@ -26,24 +26,26 @@ module slog_fifo #(
   localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
 
   logic [Width-1:0] mem_q[Depth];
-  logic [AddrW-1:0] head_q, tail_q, after_head_q, after_tail_q;
-  logic [LevelW-1:0] level_q;
-  logic full_q, some_q;  // level_q == Depth; level_q != 0
-  logic none_q;          // !some_q: apart from it, for the user's logic
-  logic push, pop, some;
+  logic [AddrW-1:0] head_q, tail_q;
+  logic [Depth:0] held_q;  // the words held, one-hot: the flags are bits of it, so that no count is compared
+  logic push, pop, up, down;
 
-  assign in_ready_o  = !full_q;
-  assign out_valid_o = !none_q;
+  assign in_ready_o  = !held_q[Depth];
+  assign out_valid_o = !held_q[0];
   assign out_data_o  = mem_q[head_q];
-  assign level_o     = level_q;
-  assign push        = in_valid_i && (Kept || !full_q);
-  assign pop         = out_ready_i && (Kept || some_q);
-  // One word is left: level_q == 1.
-  assign some        = push || (some_q && !(out_ready_i && after_head_q == tail_q));
+  assign push        = in_valid_i && (Kept || in_ready_o);
+  assign pop         = out_ready_i && (Kept || out_valid_o);
+  assign up          = push && !pop;
+  assign down        = pop && !push;
 
   function automatic logic [AddrW-1:0] after(logic [AddrW-1:0] place);
     return (place == Last) ? '0 : place + 1'b1;
   endfunction
+
+  always_comb begin
+    level_o = '0;
+    for (int unsigned n = 1; n <= Depth; n++) if (held_q[n]) level_o |= LevelW'(n);
+  end
 
   always_ff @(posedge clk_i) begin
     if (push) mem_q[tail_q] <= in_data_i;
@@ -51,33 +53,20 @@ module slog_fifo #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      head_q       <= '0;
-      tail_q       <= '0;
-      after_head_q <= after('0);
-      after_tail_q <= after('0);
-      level_q      <= '0;
-      full_q       <= 1'b0;
-      some_q       <= 1'b0;
-      none_q       <= 1'b1;
+      head_q <= '0;
+      tail_q <= '0;
+      held_q <= (Depth + 1)'(1);
     end else begin
-      if (push) begin
-        tail_q       <= after_tail_q;
-        after_tail_q <= after(after_tail_q);
-      end
-      if (pop) begin
-        head_q       <= after_head_q;
-        after_head_q <= after(after_head_q);
-      end
-      if (push != pop) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
-      // One place is left: level_q == Depth - 1.
-      full_q <= !pop && (full_q || (in_valid_i && after_tail_q == head_q));
-      some_q <= some;
-      none_q <= !some;
+      if (push) tail_q <= after(tail_q);
+      if (pop) head_q <= after(head_q);
+      // Not as an enable, which would be a level of logic more.
+      held_q <= ({Depth + 1{up}} & held_q << 1) | ({Depth + 1{down}} & held_q >> 1)
+              | ({Depth + 1{!(up || down)}} & held_q);
     end
   end
 
-  `SLOG_ASSERT(SlogFifoLevelInRange, level_q <= LevelW'(Depth))
-  `SLOG_ASSERT(SlogFifoFlags, full_q == (level_q == LevelW'(Depth)) && some_q == (level_q != '0))
-  `SLOG_ASSERT(SlogFifoKept, !Kept || (!(in_valid_i && full_q) && !(out_ready_i && !some_q)))
+  `SLOG_ASSERT(SlogFifoLevelInRange, $onehot(held_q))
+  `SLOG_ASSERT(SlogFifoPlaces, (32'(head_q) + 32'(level_o)) % Depth == 32'(tail_q))
+  `SLOG_ASSERT(SlogFifoKept, !Kept || (!(in_valid_i && !in_ready_o) && !(out_ready_i && !out_valid_o)))
   `SLOG_ASSERT_STABLE(SlogFifoOutStable, out_valid_o, out_ready_i, out_data_o)
 endmodule : slog_fifo

@@ -22,8 +22,9 @@ module slog_grid
     input  logic       job_ready_i,
     output job_t       job_o
 );
-  // One of ready_q (a command is awaited), valid_q (a job is offered) and the clock between two jobs.
-  logic ready_q, valid_q, open_q;           // open_q is !valid_q, a register of its own for all that it drives
+  // One of ready_q (a command is awaited), valid_q (a job is offered) and the clock between two jobs. laying_q is !ready_q
+  // and open_q is !valid_q, registers of their own for all that they drive.
+  logic ready_q, valid_q, laying_q, open_q;
   // The command's job: what does not move, and where its first column lies.
   /* verilator lint_off UNUSEDSIGNAL */
   job_t job_q;
@@ -44,13 +45,15 @@ module slog_grid
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      ready_q <= 1'b1;
-      valid_q <= 1'b0;
-      open_q  <= 1'b1;
+      ready_q  <= 1'b1;
+      laying_q <= 1'b0;
+      valid_q  <= 1'b0;
+      open_q   <= 1'b1;
     end else begin
-      ready_q <= done || (ready_q && !job_valid_i);
-      valid_q <= !taken && (!ready_q || job_valid_i);
-      open_q  <= taken || (ready_q && !job_valid_i);
+      ready_q  <= done || (ready_q && !job_valid_i);
+      laying_q <= !(done || (ready_q && !job_valid_i));
+      valid_q  <= !taken && (!ready_q || job_valid_i);
+      open_q   <= taken || (ready_q && !job_valid_i);
     end
   end
 
@@ -59,22 +62,22 @@ module slog_grid
   endfunction
 
   always_ff @(posedge clk_i) begin
-    if (ready_q) begin
+    if (!laying_q) begin
       job_q     <= job_i;
       step_x_q  <= step_x_i;
       step_y_q  <= step_y_i;
       count_x_q <= count_x_i;
     end
     if (open_q) begin
-      tag_q      <= ready_q ? job_i.tag : tag_q + 1'b1;
-      tpl_x_q    <= ready_q ? job_i.tpl_x : stopped(tpl_x_q2);
-      tpl_y_q    <= ready_q ? job_i.tpl_y : stopped(tpl_y_q2);
-      search_x_q <= ready_q ? job_i.search_x : stopped(search_x_q2);
-      search_y_q <= ready_q ? job_i.search_y : stopped(search_y_q2);
-      left_x_q   <= ready_q ? count_x_i : left_x_q2;
-      left_y_q   <= ready_q ? count_y_i : left_y_q2;
-      last_x_q   <= ready_q ? count_x_i[9:1] == '0 : last_x_q2;
-      last_y_q   <= ready_q ? count_y_i[9:1] == '0 : last_y_q2;
+      tag_q      <= laying_q ? tag_q + 1'b1 : job_i.tag;
+      tpl_x_q    <= laying_q ? stopped(tpl_x_q2) : job_i.tpl_x;
+      tpl_y_q    <= laying_q ? stopped(tpl_y_q2) : job_i.tpl_y;
+      search_x_q <= laying_q ? stopped(search_x_q2) : job_i.search_x;
+      search_y_q <= laying_q ? stopped(search_y_q2) : job_i.search_y;
+      left_x_q   <= laying_q ? left_x_q2 : count_x_i;
+      left_y_q   <= laying_q ? left_y_q2 : count_y_i;
+      last_x_q   <= laying_q ? last_x_q2 : count_x_i[9:1] == '0;
+      last_y_q   <= laying_q ? last_y_q2 : count_y_i[9:1] == '0;
     end else begin
       tpl_x_q2    <= last_x_q ? 11'(job_q.tpl_x) : 11'(tpl_x_q) + 11'(step_x_q);
       tpl_y_q2    <= last_x_q ? 11'(tpl_y_q) + 11'(step_y_q) : 11'(tpl_y_q);
@@ -98,6 +101,6 @@ module slog_grid
   assign job_ready_o = ready_q;
   assign job_valid_o = valid_q;
 
-  `SLOG_ASSERT(SlogGridState, open_q == !valid_q && !(ready_q && valid_q))
+  `SLOG_ASSERT(SlogGridState, open_q == !valid_q && laying_q == !ready_q && !(ready_q && valid_q))
   `SLOG_ASSERT_STABLE(SlogGridOutStable, job_valid_o, job_ready_i, job_o)
 endmodule : slog_grid

@@ -48,10 +48,10 @@ module slog_peak
   localparam int unsigned Banks = 4;
   localparam int unsigned RowDepth = 4;    // rows begun and not decided: each holds a bank
   localparam int unsigned RowLevelW = $clog2(RowDepth + 1);
-  localparam int unsigned ContextDepth = 16;
+  localparam int unsigned ContextDepth = 8;
   localparam int unsigned OutcomeDepth = 8;  // rows in the scan's pipeline, one in two clocks
   localparam int unsigned SurfaceDepth = 8;
-  localparam int unsigned SurfaceRoom = 4;   // scores that may be on their way when surf_ok falls
+  localparam int unsigned SurfaceRoom = 5;   // scores that may be on their way when surf_ok_q falls
 
   // Scores wait here, so that a row can run into it whatever the search behind is doing.
   logic queue_valid, queue_ready, queue_room;
@@ -77,31 +77,32 @@ module slog_peak
       .clk_i, .rst_i, .in_valid_i(queued_ctx_valid), .in_ready_o(queued_ctx_ready), .in_data_i(queued_ctx),
       .out_valid_o(ctx_valid), .out_ready_i(ctx_ready), .out_data_o(ctx));
 
-  logic row_coming, row_taken, no_row_q;  // no_row_q: none was taken in the clock before
+  logic row_coming, row_taken, row_refused, no_row_q;  // no_row_q: none was taken in the clock before
   row_t row;
   scoring_t scoring;
   slog_peak_rows u_rows (
       .clk_i, .rst_i, .ctx_valid_i(ctx_valid), .ctx_ready_o(ctx_ready), .ctx_i(ctx),
-      .row_coming_o(row_coming), .row_taken_i(row_taken), .row_o(row), .scoring_o(scoring));
+      .row_coming_o(row_coming), .row_taken_i(row_taken), .row_o(row), .refused_o(row_refused),
+      .scoring_o(scoring));
   always_ff @(posedge clk_i) begin
     if (rst_i) no_row_q <= 1'b1;
     else no_row_q <= !row_taken;
   end
 
   // Scores with their places.
-  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok;
+  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok_q;
   logic [9:0] score_x;
   logic [ScoreW-1:0] score;
   logic [Banks-1:0] write_bank;
   logic [1:0] released;
   slog_peak_intake #(.ScoreBits(ScoreBits), .Banks(Banks)) u_intake (
-      .clk_i, .rst_i, .row_coming_i(row_coming), .row_taken_o(row_taken), .row_refused_i(row.status != StatusOk),
+      .clk_i, .rst_i, .row_coming_i(row_coming), .row_taken_o(row_taken), .row_refused_i(row_refused),
       .row_last_x_i(row.last_x), .row_first_i(row.first), .row_last_i(row.last), .scoring_i(scoring),
       .released_i(released),
       .mismatch_valid_i(queue_valid), .mismatch_ready_o(queue_ready), .mismatch_i(queue_mismatch),
       .score_valid_o(score_valid), .score_first_o(score_first), .score_last_o(score_last), .score_x_o(score_x),
       .score_o(score), .bank_o(write_bank),
-      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok));
+      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok_q));
 
   // Surface stream.
   logic surf_room;
@@ -111,7 +112,10 @@ module slog_peak
       .clk_i, .rst_i, .in_valid_i(surf_valid), .in_ready_o(surf_room), .in_data_i({surf_last, surf_first, score}),
       .out_valid_o(surf_tvalid_o), .out_ready_i(surf_tvalid_o && surf_tready_i),
       .out_data_o({surf_tlast_o, surf_tuser_o, surf_tdata_o[ScoreW-1:0]}), .level_o(surf_level));
-  assign surf_ok = 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) surf_ok_q <= 1'b0;
+    else surf_ok_q <= 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
+  end
 
   // Row banks: row r of offsets, counted over all jobs, in bank r mod Banks.
   logic [Banks-1:0] read;
@@ -185,14 +189,16 @@ module slog_peak
       .outcome_i(outcome), .around_valid_o(around_valid), .around_o(around),
       .verdict_valid_o(verdict_valid), .verdict_o(verdict));
 
-  // Results: neighbours are known before the rest, so each half has a queue and they leave together. A job's last
-  // row is searched only when a place is kept for its result, so neither queue is ever found full.
-  logic around_room, around_out_valid, verdict_room, verdict_out_valid, result_pop;
+  // Results: neighbours are known before the rest, so each half has a queue, and they leave together into a register. A
+  // job's last row is searched only when a place is kept for its result, so neither queue is ever found full.
+  logic around_room, around_out_valid, verdict_room, verdict_out_valid, result_room, result_pop;
   verdict_t verdict_out;
   logic [7:0][ScoreW-1:0] around_out;
-  logic [ResultLevelW-1:0] unused_around_level, kept_q;
-  logic keep_q, popped_q;        // a place is kept, a result left: one clock late
+  logic [ResultLevelW-1:0] unused_around_level, unused_verdict_level, kept_q, level_q;
+  logic keep, popped;            // a place is kept, a result left
+  logic keep_q, popped_q;        // one clock late
   logic kept_all_q, kept_one_q;  // no place is left, one is
+  logic room_q;
   slog_ram_fifo #(.Width(8 * ScoreW), .Depth(ResultDepth), .Kept(1'b1)) u_around (
       .clk_i, .rst_i, .in_valid_i(around_valid), .in_ready_o(around_room), .in_data_i(around),
       .out_valid_o(around_out_valid), .out_ready_i(result_pop), .out_data_o(around_out),
@@ -200,26 +206,36 @@ module slog_peak
   slog_ram_fifo #(.Width($bits(verdict_t)), .Depth(ResultDepth), .Kept(1'b1)) u_verdict (
       .clk_i, .rst_i, .in_valid_i(verdict_valid), .in_ready_o(verdict_room), .in_data_i(verdict),
       .out_valid_o(verdict_out_valid), .out_ready_i(result_pop), .out_data_o(verdict_out),
-      .level_o(res_level_o));
+      .level_o(unused_verdict_level));
 
-  assign res_valid_o = verdict_out_valid;  // the neighbours are there before it
-  assign result_pop  = verdict_out_valid && res_ready_i;
-  assign res_o = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
+  result_t whole;
+  assign result_pop = verdict_out_valid && result_room;  // the neighbours are there before it
+  assign whole = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
                    best_y: verdict_out.best_y, score: verdict_out.score, neighbour: around_out,
                    runner_up: verdict_out.runner_up};
+  slog_stage #(.Width($bits(result_t))) u_result (
+      .clk_i, .rst_i, .in_valid_i(verdict_out_valid), .in_ready_o(result_room), .in_data_i(whole),
+      .out_valid_o(res_valid_o), .out_ready_i(res_ready_i), .out_data_o(res_o));
+  assign res_level_o = level_q;
 
-  // Orders come at most one in two clocks, so this has seen the last one.
-  assign room = !kept_all_q && !(kept_one_q && keep_q);
+  assign keep   = decided_valid && decided.last;
+  assign popped = res_valid_o && res_ready_i;
+  assign room   = room_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       kept_q     <= '0;
       kept_all_q <= 1'b0;
       kept_one_q <= 1'b0;
+      room_q     <= 1'b1;
       keep_q     <= 1'b0;
       popped_q   <= 1'b0;
+      level_q    <= '0;
     end else begin
-      keep_q   <= decided_valid && decided.last;
-      popped_q <= result_pop;
+      // Orders come at most one in two clocks, so this has seen the last one.
+      room_q   <= popped_q || !(kept_all_q || (kept_one_q && (keep_q || keep)));
+      keep_q   <= keep;
+      popped_q <= popped;
+      if (verdict_valid != popped) level_q <= verdict_valid ? level_q + 1'b1 : level_q - 1'b1;
       if (keep_q != popped_q) begin
         kept_q     <= popped_q ? kept_q - 1'b1 : kept_q + 1'b1;
         kept_all_q <= !popped_q && kept_one_q;
@@ -237,6 +253,8 @@ module slog_peak
   `SLOG_ASSERT(SlogPeakOutcomeThere, !far_valid || outcome_valid)
   `SLOG_ASSERT(SlogPeakResultRoom, (!around_valid || around_room) && (!verdict_valid || verdict_room))
   `SLOG_ASSERT(SlogPeakResultWhole, !verdict_out_valid || around_out_valid)
+  `SLOG_ASSERT(SlogPeakLevel, level_q <= kept_q + ResultLevelW'(keep_q))
+  `SLOG_ASSERT(SlogPeakRoom, room_q == (!kept_all_q && !(kept_one_q && keep_q)))
   `SLOG_ASSERT(SlogPeakKept, kept_all_q == (kept_q == ResultLevelW'(ResultDepth))
                              && kept_one_q == (kept_q == ResultLevelW'(ResultDepth - 1)))
 endmodule : slog_peak

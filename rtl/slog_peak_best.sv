@@ -44,17 +44,19 @@ module slog_peak_best
   // The row being decided.
   logic held_q, open_q;  // there is one, and it stays in the next clock; !held_q, which enables all of its data
   logic hand_q, stay_q;  // it leaves in this clock; !hand_q
-  logic fresh_q, refused_q, only_q, brief_q;  // only_q: one column, or refused; brief_q: two, or only_q
+  logic fresh_q, stale_q;  // it holds the best so far; !fresh_q, which chooses the outcome's data
+  logic refused_q, only_q, brief_q;  // only_q: one column, or refused; brief_q: two, or only_q
   logic [1:0] released_q;
   row_t row_q;
   logic more_q;  // !row_q.last
+  logic edge_q;  // row_q.first || row_q.last
   logic [ScoreW-1:0] top_q;
   logic [9:0] top_x_q;
   // The job so far.
   logic [ScoreW-1:0] best_q;
   logic [9:0] best_x_q, best_y_q;
   maybe_t before_q;  // best of rows 0..r-2; 0 between jobs
-  logic [1:0] gap_q;  // rows from the best to this one, 2 = two or more
+  logic far_q;       // the best is two rows above this one, or more
   // The row that waits.
   logic complete_q, top_used_q;  // not of the row after one taken in the clock before: held_q is set then
   logic refused_next_q, only_next_q, brief_next_q;
@@ -69,8 +71,8 @@ module slog_peak_best
   assign top_ready_o = !held_q && top_used_q;
 
   assign hand            = held_q && order_room_i && (room_i || more_q);
-  assign order_valid_o   = !stay_q;
-  assign outcome_valid_o = hand_q;
+  assign order_valid_o   = hand_q;
+  assign outcome_valid_o = !stay_q;
   assign released_o      = released_q;
 
   always_ff @(posedge clk_i) begin
@@ -100,23 +102,23 @@ module slog_peak_best
     if (open_q) begin
       row_q     <= row_i;
       more_q    <= !row_i.last;
+      edge_q    <= row_i.first || row_i.last;
       refused_q <= refused_next_q;
       only_q    <= only_next_q;
       brief_q   <= brief_next_q;
-      top_q     <= top_score_i;
-      top_x_q   <= top_x_i;
+      top_q     <= refused_next_q ? '0 : top_score_i;
+      top_x_q   <= refused_next_q ? '0 : top_x_i;
     end
     fresh_q <= row_q.first || is_above(32'(top_q), 32'(best_q));
+    stale_q <= !(row_q.first || is_above(32'(top_q), 32'(best_q)));
     if (rst_i) before_q <= '0;
-    else if (!stay_q) before_q <= (row_q.first || row_q.last) ? '0 : {1'b1, best_q};
+    else if (!stay_q) before_q <= edge_q ? '0 : {1'b1, best_q};
     if (!stay_q) begin
-      if (fresh_q) begin
+      far_q <= !fresh_q;
+      if (!stale_q) begin
         best_q   <= top_q;
         best_x_q <= top_x_q;
         best_y_q <= row_q.y;
-        gap_q    <= 2'd1;
-      end else begin
-        gap_q    <= 2'd2;
       end
     end
   end
@@ -126,15 +128,11 @@ module slog_peak_best
                 only: !fresh_q || only_q, brief: !fresh_q || brief_q,
                 last_x: row_q.last_x, best_x: top_x_q};
     outcome_o = '{fresh: fresh_q, last: row_q.last, other: '0, tag: row_q.tag, status: row_q.status,
-                  best_x: fresh_q ? top_x_q : best_x_q, best_y: fresh_q ? row_q.y : best_y_q,
-                  score: {1'b1, fresh_q ? top_q : best_q}};
-    if (refused_q) begin
-      outcome_o.score  = '0;
-      outcome_o.best_x = '0;
-    end
-    if (fresh_q) begin
+                  best_x: stale_q ? best_x_q : top_x_q, best_y: stale_q ? best_y_q : row_q.y,
+                  score: {!refused_q, stale_q ? best_q : top_q}};
+    if (!stale_q) begin
       outcome_o.other = before_q;
-    end else if (gap_q == 2'd2) begin
+    end else if (far_q) begin
       outcome_o.other = {1'b1, top_q};
     end
   end

@@ -48,12 +48,15 @@ module slog_peak_intake
   localparam int unsigned UsedW = $clog2(Banks + 1);
 
   // The row that is coming in, as far as stage 0 needs it.
-  logic idle_q, run_q, surface_q;  // run_q: !idle_q
-  logic go_q;            // takes a score
-  logic end_q, near_q;   // the next score is the row's last, last but one
-  logic ending_q;        // go_q && end_q
-  logic [9:0] left_q;    // scores after the next one
-  logic pop, close, fill, take, row_go, run_go;
+  // Each flag is there twice, the second its opposite, so that no logic behind mismatch_valid_i is shared by too many.
+  logic idle_q, run_q;      // none; one
+  logic go_q, halt_q;       // takes a score; does not
+  logic end_q, near_q;      // the next score is the row's last, last but one
+  logic more_q;             // !end_q
+  logic surface_q;
+  logic ending_q, going_q;  // go_q && end_q; !ending_q
+  logic [9:0] left_q;       // scores after the next one
+  logic pop, fill, take, move, next, row_go, run_go, row_ends, ending;
   // Banks.
   logic [UsedW-1:0] used_q;  // as of the clock before, what came back since counted
   logic take_q;
@@ -61,20 +64,30 @@ module slog_peak_intake
 
   assign mismatch_ready_o = go_q;
   assign pop              = mismatch_valid_i && go_q;
-  assign close            = mismatch_valid_i && ending_q;
-  assign fill             = !run_q || close;
-  assign take             = open_q && fill;
+  assign fill             = !run_q || (mismatch_valid_i && ending_q);
+  assign take             = open_q && (idle_q || (mismatch_valid_i && !going_q));
+  assign move             = !run_q || (mismatch_valid_i && !halt_q);
   assign row_taken_o      = take;
+  assign next             = !run_q || !more_q;
   // The row that waits, the one that runs, would take a score in the next clock.
   assign row_go           = !row_refused_i && (surf_ok_i || !scoring_i.surface);
+  assign row_ends         = open_q && row_go && scoring_i.one;
   assign run_go           = surf_ok_i || !surface_q;
+
+  // Whether there is a score decides last.
+  always_comb begin
+    if (mismatch_valid_i) ending = (idle_q || ending_q) ? row_ends : run_go && (end_q || (go_q && near_q));
+    else ending = idle_q ? row_ends : run_go && end_q;
+  end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       idle_q   <= 1'b1;
       run_q    <= 1'b0;
       go_q     <= 1'b0;
+      halt_q   <= 1'b1;
       ending_q <= 1'b0;
+      going_q  <= 1'b1;
       open_q   <= 1'b0;
       used_q   <= '0;
     end else begin
@@ -82,7 +95,9 @@ module slog_peak_intake
       idle_q   <= fill && !(open_q && !row_refused_i);
       run_q    <= !fill || (open_q && !row_refused_i);
       go_q     <= fill ? open_q && row_go : run_go;
-      ending_q <= fill ? open_q && row_go && scoring_i.one : run_go && (pop ? near_q : end_q);
+      halt_q   <= !(fill ? open_q && row_go : run_go);
+      ending_q <= ending;
+      going_q  <= !ending;
       open_q   <= row_coming_i && !take && (used_q != UsedW'(Banks) - UsedW'(take_q) || released_i != '0);
       used_q   <= used_q + UsedW'(take_q) - UsedW'(released_i);
     end
@@ -90,11 +105,12 @@ module slog_peak_intake
 
   // Whatever stands at the input is loaded when a row may be taken; while idle again and again, until one is.
   always_ff @(posedge clk_i) begin
-    if (idle_q || pop) begin
-      end_q  <= (idle_q || end_q) ? scoring_i.one : near_q;
-      near_q <= (idle_q || end_q) ? scoring_i.two : left_q == 10'd2;
-      left_q <= (idle_q || end_q) ? row_last_x_i : left_q - 10'd1;
-      if (idle_q || end_q) surface_q <= scoring_i.surface;
+    if (move) begin
+      end_q  <= next ? scoring_i.one : near_q;
+      more_q <= next ? !scoring_i.one : !near_q;
+      near_q <= next ? scoring_i.two : left_q == 10'd2;
+      left_q <= next ? row_last_x_i : left_q - 10'd1;
+      if (next) surface_q <= scoring_i.surface;
     end
   end
 
@@ -164,6 +180,9 @@ module slog_peak_intake
 
   `SLOG_ASSERT(SlogPeakIntakeBanks, used_q + UsedW'(take_q) <= UsedW'(Banks)
                                     && UsedW'(released_i) <= used_q + UsedW'(take_q))
-  `SLOG_ASSERT(SlogPeakIntakeEnd, idle_q || (end_q == (left_q == '0) && near_q == (left_q == 10'd1)))
+  `SLOG_ASSERT(SlogPeakIntakeCopies, run_q == !idle_q && halt_q == !go_q && going_q == !ending_q
+                                     && (idle_q || ending_q == (go_q && end_q)))
+  `SLOG_ASSERT(SlogPeakIntakeEnd, idle_q || (end_q == (left_q == '0) && more_q == !end_q
+                                             && near_q == (left_q == 10'd1)))
   `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= area_q)
 endmodule : slog_peak_intake

@@ -1,7 +1,7 @@
 // Unrolls a job's context into its rows of offsets. A refused job gives one row.
 //
 // Handshake  : row_coming_o says that a row is there to be taken in the next clock, unless one is taken in this one.
-//              row_taken_i takes it; row_o and scoring_o stay for one clock more.
+//              row_taken_i takes it; row_o, refused_o and scoring_o stay for one clock more.
 // Latency    : a context taken in clock t may have its first row taken in clock t+1.
 // Throughput : one row in two clocks, jobs back to back.
 `include "slog_assert.svh"
@@ -17,18 +17,21 @@ module slog_peak_rows
     output logic     row_coming_o,
     input  logic     row_taken_i,
     output row_t     row_o,
+    output logic     refused_o,    // row_o.status is not StatusOk
     output scoring_t scoring_o
 );
   logic load_q, step_q;  // nothing more to offer; a row was taken and the job has more
   logic some_q, load;    // !load_q: apart from it, because that enables all of the data
   row_t row_q;
   scoring_t scoring_q;
+  logic refused_q;
   logic [9:0] left_q;  // rows after this one
 
   assign load         = (row_taken_i && row_q.last) || (!some_q && !ctx_valid_i);
   assign ctx_ready_o  = !some_q;
   assign row_coming_o = ctx_valid_i || some_q;
   assign row_o        = row_q;
+  assign refused_o    = refused_q;
   assign scoring_o    = scoring_q;
 
   always_ff @(posedge clk_i) begin
@@ -45,6 +48,7 @@ module slog_peak_rows
 
   always_ff @(posedge clk_i) begin
     if (load_q) begin
+      refused_q    <= ctx_i.status != StatusOk;
       row_q.tag    <= ctx_i.tag;
       row_q.status <= ctx_i.status;
       row_q.last_x <= ctx_i.offsets_x - 10'd1;
@@ -62,5 +66,6 @@ module slog_peak_rows
     else if (step_q) row_q.last <= left_q == 10'd1;
   end
 
+  `SLOG_ASSERT(SlogPeakRowsRefused, load_q || refused_q == (row_q.status != StatusOk))
   `SLOG_ASSERT(SlogPeakRowsThere, !row_taken_i || !(load_q || step_q))
 endmodule : slog_peak_rows

@@ -50,7 +50,8 @@ module slog_peak_scan
   } column_t;
 
   // Stage 0.
-  logic busy_q, first_q, last_q;
+  logic first_q, last_q;
+  logic open_q;     // no order, or this is its last clock: what stands at the input is loaded, order or not
   logic reading_q;  // x_q is a column of the order; low in the clock before an only column
   logic room_q;     // no more than one clock of the order is left after this one
   logic [9:0] x_q, left_q;
@@ -65,15 +66,15 @@ module slog_peak_scan
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      busy_q    <= 1'b0;
+      open_q    <= 1'b1;
       last_q    <= 1'b0;
       room_q    <= 1'b1;
       reading_q <= 1'b0;
       read_q    <= '0;
       bank_q    <= Banks'(1) << (Banks - 1);
     end else if (order_valid_i) begin
-      busy_q    <= 1'b1;
-      last_q    <= 1'b0;
+      open_q    <= 1'b0;
+      last_q    <= !open_q && room_q;
       room_q    <= order_i.brief;
       reading_q <= !order_i.only;
       read_q    <= !order_i.fresh ? '0 : (next_bank & {Banks{order_i.middle}})
@@ -81,16 +82,16 @@ module slog_peak_scan
                  | ({next_bank[Banks-2:0], next_bank[Banks-1]} & {Banks{order_i.below}});
       bank_q    <= next_bank;
     end else begin
-      busy_q    <= busy_q && !last_q;
-      last_q    <= busy_q && !last_q && room_q;
+      open_q    <= open_q || room_q;
+      last_q    <= !open_q && room_q;
       room_q    <= room_q || left_q == 10'd2;
-      reading_q <= busy_q && !last_q;
+      reading_q <= !open_q;
       read_q    <= last_q ? '0 : read_q;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (order_valid_i) begin
+    if (open_q) begin
       fresh_q    <= order_i.fresh;
       job_last_q <= order_i.last;
       above_q    <= order_i.fresh && order_i.above;
@@ -225,6 +226,6 @@ module slog_peak_scan
       .in_value_i(s7_value_q), .in_index_i(1'b0),
       .out_valid_o(far_valid_o), .out_value_o(far_o), .out_index_o(unused_index));
 
-  `SLOG_ASSERT(SlogPeakScanRoom, !order_valid_i || !busy_q || last_q)
+  `SLOG_ASSERT(SlogPeakScanRoom, !order_valid_i || open_q)
   `SLOG_ASSERT(SlogPeakScanBank, $onehot(bank_q))
 endmodule : slog_peak_scan

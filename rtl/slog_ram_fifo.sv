@@ -1,10 +1,11 @@
 // First-in first-out queue in block RAM, with a short register queue behind the RAM's output register.
 //
 // Latency    : a word pushed in clock t is offered in clock t+4 at the earliest (pointer, RAM read, output register, queue).
-// Throughput : one push and one pop per clock, also when full (a pop frees its place in the next clock).
+// Throughput : one push and one pop per clock, also when full (a pop frees its place in the clock after the next).
 // With Kept  : its user promises in_valid_i only with in_ready_o and out_ready_i only with out_valid_o; that is asserted,
 //              and no logic looks after it.
-// Formats    : opaque words of Width bits; level_o counts the words held anywhere inside, 0..Depth.
+// Formats    : opaque words of Width bits; level_o counts the words held anywhere inside, 0..Depth, and for one clock more
+//              a word that left.
 `include "slog_assert.svh"
 module slog_ram_fifo #(
     parameter  int unsigned Width  = 8,
@@ -25,24 +26,37 @@ module slog_ram_fifo #(
   `SLOG_ASSERT_INIT(SlogRamFifoDepth, Depth >= 2)
   localparam int unsigned AddrW = $clog2(Depth);
   localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
-  // One word per clock needs as many places behind the RAM as clocks from a read to the pop that returns its place.
-  localparam int unsigned OutDepth = 4;
+  // One word per clock needs as many places behind the RAM as clocks from a read to the return of its place, and one for
+  // the read that is not counted yet.
+  localparam int unsigned OutDepth = 6;
   localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
 
-  logic [AddrW-1:0] head_q, tail_q, after_head_q, after_tail_q;
+  logic [AddrW-1:0] head_q, tail_q, after_tail_q;
+  logic [AddrW-1:0] newest_q;    // place before tail_q
   logic [AddrW-1:0] front_q;     // place of the next word to leave
   logic [LevelW-1:0] level_q;    // words inside
-  logic [OutLevelW-1:0] free_q;  // places of the output queue not spoken for
-  logic full_q, some_q, room_q;  // level_q == Depth; words in the RAM not asked for yet; free_q != 0
+  logic [OutDepth:0] free_q;     // places of the output queue not spoken for, one-hot; a read counts a clock late
+  logic full_q, open_q;          // level_q == Depth; !full_q: apart from it, for the level
+  logic room_q;                  // two places free, one of which may have gone in the clock before
   logic read_q, read_q2;         // a word is on its way
-  logic push, pop, read;
+  // Words in the RAM not asked for yet: one that has just come, or what the pointers of the clock before say.
+  logic some, push_q, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
+  logic pop_q;                   // a word left: its place and the level follow a clock late, to leave little to pop
+  logic push, pop, read, more, less, full;
+  logic two;                     // free_q is two or more in the next clock
   logic [Width-1:0] ram_data;
 
   assign in_ready_o = !full_q;
   assign level_o    = level_q;
   assign push       = in_valid_i && (Kept || !full_q);
   assign pop        = out_ready_i && (Kept || out_valid_o);
-  assign read       = some_q && room_q;
+  assign some       = push_q || (read_q ? others_q : some_q);
+  assign read       = some && room_q;
+  // One place is left: level_q == Depth - 1.
+  assign full       = !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
+  assign more       = pop_q && !read_q;
+  assign less       = read_q && !pop_q;
+  assign two        = more ? !free_q[0] : less ? free_q[2:0] == '0 : room_q;
 
   function automatic logic [AddrW-1:0] after(logic [AddrW-1:0] place);
     return (place == Last) ? '0 : place + 1'b1;
@@ -53,13 +67,16 @@ module slog_ram_fifo #(
       head_q       <= '0;
       tail_q       <= '0;
       front_q      <= '0;
-      after_head_q <= after('0);
       after_tail_q <= after('0);
       level_q      <= '0;
-      free_q       <= OutLevelW'(OutDepth);
+      free_q       <= (OutDepth + 1)'(1) << OutDepth;
       full_q       <= 1'b0;
-      some_q       <= 1'b0;
+      open_q       <= 1'b1;
       room_q       <= 1'b1;
+      push_q       <= 1'b0;
+      some_q       <= 1'b0;
+      others_q     <= 1'b0;
+      pop_q        <= 1'b0;
       read_q       <= 1'b0;
       read_q2      <= 1'b0;
     end else begin
@@ -67,20 +84,26 @@ module slog_ram_fifo #(
         tail_q       <= after_tail_q;
         after_tail_q <= after(after_tail_q);
       end
-      if (read) begin
-        head_q       <= after_head_q;
-        after_head_q <= after(after_head_q);
-      end
-      if (pop) front_q <= after(front_q);
-      if (push != pop) level_q <= push ? level_q + 1'b1 : level_q - 1'b1;
-      if (pop != read) free_q <= pop ? free_q + 1'b1 : free_q - 1'b1;
-      // One place is left: level_q == Depth - 1. One word is left in the RAM.
-      full_q  <= !pop && (full_q || (in_valid_i && after_tail_q == front_q));
-      some_q  <= push || (some_q && !(room_q && after_head_q == tail_q));
-      room_q  <= pop || free_q > OutLevelW'(1) || (room_q && !some_q);
-      read_q  <= read;
-      read_q2 <= read_q;
+      if (read) head_q <= after(head_q);
+      if (pop_q) front_q <= after(front_q);
+      if ((in_valid_i && (Kept || open_q)) != pop_q) level_q <= pop_q ? level_q - 1'b1 : level_q + 1'b1;
+      // Not as an enable, which would be a level of logic more.
+      free_q  <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
+               | ({OutDepth + 1{!(more || less)}} & free_q);
+      full_q   <= full;
+      open_q   <= !full;
+      room_q   <= two;
+      push_q   <= push;
+      some_q   <= head_q != tail_q;
+      others_q <= newest_q != head_q;
+      pop_q    <= pop;
+      read_q   <= read;
+      read_q2  <= read_q;
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (push) newest_q <= tail_q;
   end
 
   slog_ram #(.Width(Width), .Depth(Depth)) u_ram (
@@ -95,9 +118,11 @@ module slog_ram_fifo #(
 
   `SLOG_ASSERT(SlogRamFifoOutHasRoom, !read_q2 || out_room)
   `SLOG_ASSERT(SlogRamFifoKept, !Kept || (!(in_valid_i && full_q) && !(out_ready_i && !out_valid_o)))
-  `SLOG_ASSERT(SlogRamFifoPlaces,
-               32'(free_q) + 32'(out_level) + 32'(read_q) + 32'(read_q2) == OutDepth)
-  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth))
-                                 && some_q == (32'(level_q) + 32'(free_q) != OutDepth)
-                                 && room_q == (free_q != '0))
+  // The output queue's places that are spoken for.
+  logic [OutLevelW-1:0] taken;
+  assign taken = out_level + OutLevelW'(read_q) + OutLevelW'(read_q2) + OutLevelW'(pop_q);
+  `SLOG_ASSERT(SlogRamFifoPlaces, free_q == (OutDepth + 1)'(1) << (OutDepth - 32'(taken) + 32'(read_q)))
+  `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && open_q == !full_q
+                                 && some == (32'(level_q) != 32'(taken))
+                                 && room_q == (free_q[1:0] == '0))
 endmodule : slog_ram_fifo

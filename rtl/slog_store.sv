@@ -38,14 +38,14 @@ module slog_store
   localparam int unsigned BankW     = (Banks > 1) ? AddrW - BankAddrW : 1;
 
   // Peek: a pending address is read in the first clock the other requester leaves free.
-  logic peek_pending_q, peek_flight_q;
+  logic peek_pending_q, peek_ready_q;
   logic [AddrW-1:0] peek_addr_q;
   logic [StoreLatency-1:0] peek_at_q;  // the stages a peek passes
   logic peek_go;
   logic rd_go;
   logic [AddrW-1:0] rd_addr;
 
-  assign peek_ready_o = !peek_pending_q && !peek_flight_q;
+  assign peek_ready_o = peek_ready_q;
   assign peek_go      = peek_pending_q && !rd_valid_i;
   assign rd_go        = rd_valid_i || peek_pending_q;
   assign rd_addr      = rd_valid_i ? rd_addr_i : peek_addr_q;
@@ -54,14 +54,12 @@ module slog_store
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       peek_pending_q <= 1'b0;
-      peek_flight_q  <= 1'b0;
+      peek_ready_q   <= 1'b1;
       peek_at_q      <= '0;
     end else begin
       peek_at_q <= {peek_at_q[StoreLatency-2:0], peek_go};
-      if (peek_valid_i && peek_ready_o) peek_pending_q <= 1'b1;
-      else if (peek_go) peek_pending_q <= 1'b0;
-      if (peek_go) peek_flight_q <= 1'b1;
-      else if (peek_at_q[StoreLatency-2]) peek_flight_q <= 1'b0;
+      peek_pending_q <= peek_ready_q ? peek_valid_i : peek_pending_q && rd_valid_i;
+      peek_ready_q   <= peek_ready_q ? !peek_valid_i : peek_at_q[StoreLatency-2];
     end
   end
   always_ff @(posedge clk_i) begin
@@ -96,6 +94,7 @@ module slog_store
   end
   assign peek_data_o = rd_data_o;
 
+  `SLOG_ASSERT(SlogStorePeek, peek_ready_q == !(peek_pending_q || peek_at_q[StoreLatency-2:0] != '0))
   `SLOG_ASSERT_INIT(SlogStoreSlicesFit, Slices * SliceBits == Width)
   `SLOG_ASSERT_INIT(SlogStoreBankPower, Banks == 1 || BankWords == 2 ** BankAddrW)
   `SLOG_ASSERT_INIT(SlogStoreLatency, StoreLatency == 4)

@@ -121,9 +121,11 @@ module tb_peak_parts
       .clk_i, .rst_i, .row_valid_i(room_row_valid_i), .row_ready_o(room_row_ready_o),
       .row_offsets_i(room_row_offsets_i), .taken_i(room_taken_i));
 
+  logic unused_rows_refused;
   slog_peak_rows u_rows (
       .clk_i, .rst_i, .ctx_valid_i(rows_ctx_valid_i), .ctx_ready_o(rows_ctx_ready_o), .ctx_i(rows_ctx_i),
-      .row_coming_o(rows_row_coming_o), .row_taken_i(rows_row_taken_i), .row_o(rows_row_o), .scoring_o(rows_scoring_o));
+      .row_coming_o(rows_row_coming_o), .row_taken_i(rows_row_taken_i), .row_o(rows_row_o),
+      .refused_o(unused_rows_refused), .scoring_o(rows_scoring_o));
 
   slog_peak_intake #(.ScoreBits(ScoreBits), .Banks(Banks)) u_intake (
       .clk_i, .rst_i, .row_coming_i(intake_row_coming_i), .row_taken_o(intake_row_taken_o),
