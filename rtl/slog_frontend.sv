@@ -1,7 +1,7 @@
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
-// Latency    : 19 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
-//              first word of the row Radius lines above it: 109 for full, 43 for tiny.
+// Latency    : 18 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
+//              first word of the row Radius lines above it: 108 for full, 42 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.

@@ -76,18 +76,19 @@ module slog_video_in #(
   logic full_q;              // the ring has no room
   logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
   logic at_end_q;            // the next pixel is a line's last, in a frame
+  logic more_end_q;          // and not the frame's
   logic last_row_q;          // the line received is a frame's last
-  logic beat, good_end, kill, wr_en, active;
+  logic come, beat, good_end, kill, wr_en, active, at_end;
   logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
   logic event_last_q;        // the beat ended a line
 
   assign tready_o = !full_q && !(hold_i && !active_q);
-  assign beat     = tvalid_i && room_q && !(hold_i && outside_q);
-  assign kill     = beat && (active_q ? (tuser_i || (tlast_i != at_end_q)) : closed_q && !tuser_i);
-  assign good_end = tvalid_i && room_q && at_end_q && !tuser_i && tlast_i;
-  assign active   = !beat ? active_q : tuser_i ? !tlast_i
-                    : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
-  assign wr_en    = beat && (tuser_i || active_q);
+  assign come     = tvalid_i && room_q;  // a beat, unless held back
+  assign beat     = come && !(hold_i && outside_q);
+  assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
+  assign good_end = come && at_end_q && !tuser_i && tlast_i;
+  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q) : tlast_i ? more_end_q : active_q && !at_end_q;
+  assign wr_en    = come && (active_q || (tuser_i && !hold_i));
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
 
@@ -102,9 +103,11 @@ module slog_video_in #(
       drop_owed_q    <= 1'b0;
       dropped_q      <= 1'b0;
     end else begin
-      active_q  <= active;
-      outside_q <= !active;
-      if (beat) closed_q <= active_q && !tuser_i && tlast_i && at_end_q && last_row_q;
+      if (come) begin
+        active_q  <= active;
+        outside_q <= !active;
+      end
+      if (beat) closed_q <= !tuser_i && tlast_i && at_end_q && !more_end_q;
       event_commit_q <= good_end;
       event_kill_q   <= kill;
       event_start_q  <= beat && tuser_i;
@@ -123,12 +126,12 @@ module slog_video_in #(
   logic [AddrW-1:0] wr_addr_q, wr_addr;
 
   assign near_end = !event_start_q && (wr_en_q ? end_1_q : end_0_q);
+  assign at_end   = near_end && active_q && !tuser_i && !tlast_i;
   assign wr_addr  = event_start_q ? base(wr_line_q) : wr_addr_q;
 
   always_ff @(posedge clk_i) begin
     wr_data_q <= tdata_i;
     event_last_q <= tlast_i;
-    if (beat) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
     end_0_q <= !event_start_q && (wr_en_q ? left_q == 10'd2 : left_q == 10'd1);
     end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
     if (wr_en_q) begin
@@ -142,10 +145,15 @@ module slog_video_in #(
     if (event_start_q) first_row_q <= 1'b1;
     else if (event_commit_q) first_row_q <= 1'b0;
     if (rst_i) begin
-      at_end_q  <= 1'b0;
-      wr_en_q   <= 1'b0;
-      wr_line_q <= '0;
+      at_end_q   <= 1'b0;
+      more_end_q <= 1'b0;
+      wr_en_q    <= 1'b0;
+      wr_line_q  <= '0;
     end else begin
+      if (come) begin
+        at_end_q   <= at_end;
+        more_end_q <= at_end && !last_row_q;
+      end
       wr_en_q <= wr_en;
       if (event_commit_q) wr_line_q <= next_line(wr_line_q);
     end
@@ -210,12 +218,12 @@ module slog_video_in #(
   logic             out_active_q, out_current_q, out_active, out_current;
   logic             ended_q;                           // the last pixel of the last row out
   logic [DistW-1:0] out_top_q;
-  logic             fill_q;                            // a filler may begin: a complete frame has rows to give
-  logic             skip, wait_on, boundary, mid_frame, ended, out_starts, out_kill;
+  logic             skip, wait_on, boundary, mid_frame, out_starts, out_kill;
 
   // The next clock is at a boundary: a dead line is passed over, there is nothing to begin, or the line ends.
   assign skip         = take_q && head_dead;
-  assign wait_on      = free_q && (!fill_q || active_q || (event_kill_q && out_current_q));
+  // A filler may begin if a complete frame has rows to give.
+  assign wait_on      = free_q && (!out_active_q || ended_q || mid_frame_q || active_q || (event_kill_q && out_current_q));
   assign boundary     = skip || wait_on || next_last_q;
   assign start_line   = take_q && !head_dead;
   assign out_starts   = start_line && !line_q[0].first && row_is_out_q;
@@ -224,7 +232,6 @@ module slog_video_in #(
   assign out_current  = starts_q ? head_current_q : out_current_q;
   assign out_kill     = event_kill_q && out_active && out_current;
   assign mid_frame    = (started_q ? !head_last_q : mid_frame_q) && !(event_kill_q && rd_current);
-  assign ended        = next_last_q && out_done_q;
 
   // What has a line's time to follow its start does so a clock later.
   always_ff @(posedge clk_i) begin
@@ -264,7 +271,6 @@ module slog_video_in #(
       out_active_q  <= 1'b0;
       out_current_q <= 1'b0;
       ended_q       <= 1'b0;
-      fill_q        <= 1'b0;
     end else begin
       if (take_q) rd_line_q <= next_line(rd_line_q);
       boundary_q    <= boundary;
@@ -277,8 +283,7 @@ module slog_video_in #(
       rd_current_q  <= rd_current && !event_start_q;
       out_active_q  <= out_active && !out_kill && !ended_q;
       out_current_q <= out_current && !event_start_q;
-      ended_q       <= ended;
-      fill_q        <= out_active && !out_kill && !ended_q && !ended && !mid_frame;
+      ended_q       <= next_last_q && out_done_q;
     end
   end
 
@@ -287,26 +292,26 @@ module slog_video_in #(
     logic            first;
     logic            last;
     logic            out;
-    logic            live;
-    logic            start;
-    logic            done;
     logic [ColW-1:0] col;
   } issue_t;
   issue_t           issue, issue_q, issue_q2;
   logic             bottom_q2;
   logic [DistW-1:0] away_q2;
-  logic             line_out_q, line_out, valid_q, valid_q2, abort_q, abort_q2, accepted_q;
+  logic             line_out_q, line_out, valid_q, valid_q2, live, live_q, live_q2, start, start_q, start_q2;
+  logic             done, done_q, done_q2, abort, abort_q, abort_q2;
+  logic             under_way_q;  // a pixel or an abort in these stages
 
   // A line keeps computing when its frame dies half-way along it, so the filters always see whole lines.
   assign line_out = rd_first_q ? out_active : line_out_q;
+  assign live     = rd_active_q && out_active && !out_kill;
+  assign start    = starts_q && !(event_kill_q && head_current_q);
+  assign done     = ended_q && out_active_q && !(event_kill_q && out_current_q);
+  assign abort    = !starts_q && event_kill_q && out_active_q && out_current_q;
 
   always_comb begin
     issue.first = rd_first_q;
     issue.last  = boundary_q;
     issue.out   = line_out;
-    issue.live  = out_active && !out_kill;
-    issue.start = issue.live && starts_q;
-    issue.done  = issue.live && ended_q;
     issue.col   = ColW'(rd_col_q);
   end
 
@@ -321,17 +326,19 @@ module slog_video_in #(
       away_q2   <= out_bottom_q ? DistW'(out_left_q) : out_top_q;
     end
     if (rst_i) begin
-      valid_q    <= 1'b0;
-      valid_q2   <= 1'b0;
-      abort_q    <= 1'b0;
-      abort_q2   <= 1'b0;
-      accepted_q <= 1'b0;
+      {valid_q, valid_q2} <= '0;
+      {live_q, live_q2}   <= '0;
+      {start_q, start_q2} <= '0;
+      {done_q, done_q2}   <= '0;
+      {abort_q, abort_q2} <= '0;
+      under_way_q         <= 1'b0;
     end else begin
-      valid_q    <= rd_active_q;
-      valid_q2   <= valid_q;
-      abort_q    <= out_kill && !starts_q;
-      abort_q2   <= abort_q;
-      accepted_q <= rd_active_q && issue.done;
+      {valid_q, valid_q2} <= {rd_active_q, valid_q};
+      {live_q, live_q2}   <= {live, live_q};
+      {start_q, start_q2} <= {start, start_q};
+      {done_q, done_q2}   <= {done, done_q};
+      {abort_q, abort_q2} <= {abort, abort_q};
+      under_way_q         <= rd_active_q || valid_q || abort || abort_q;
     end
   end
 
@@ -355,13 +362,12 @@ module slog_video_in #(
   assign px_out_o    = issue_q2.out;
   assign px_bottom_o = bottom_q2;
   assign px_dist_o   = away_q2;
-  assign px_live_o   = valid_q2 && issue_q2.live;
-  assign px_start_o  = valid_q2 && issue_q2.start;
-  assign px_done_o   = valid_q2 && issue_q2.done;
+  assign px_live_o   = live_q2;
+  assign px_start_o  = start_q2;
+  assign px_done_o   = done_q2;
   assign px_abort_o  = abort_q2;
-  assign accepted_o  = accepted_q;
-  assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q
-                       || valid_q || valid_q2 || abort_q || abort_q2;
+  assign accepted_o  = done_q;
+  assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q || under_way_q;
 
   // Counters that follow a clock later need lines of some length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
@@ -370,8 +376,10 @@ module slog_video_in #(
   `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used == 3'(Lines)))
   `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
   `SLOG_ASSERT(SlogVideoInTake, take_q == (boundary_q && line_q[0].valid) && free_q == (boundary_q && !line_q[0].valid))
-  `SLOG_ASSERT(SlogVideoInFill, fill_q == (out_active_q && !ended_q && !mid_frame_q))
-  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
+  `SLOG_ASSERT(SlogVideoInAtEnd, (at_end_q |-> active_q) && more_end_q == (at_end_q && !last_row_q))
+  `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
+  `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) && abort == (out_kill && !starts_q))
+  `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q || valid_q2 || abort_q || abort_q2))
   `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
   `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
   `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active && !ended_q && !out_kill))
