@@ -123,10 +123,15 @@ module slog_frontend #(
       .frame_abort_o
   );
 
-  logic busy_q;
+  logic video_busy_q, rest_busy_q;
   always_ff @(posedge clk_i) begin
-    if (rst_i) busy_q <= 1'b0;
-    else busy_q <= video_busy || log_busy || word_valid_o || frame_abort_o;
+    if (rst_i) begin
+      video_busy_q <= 1'b0;
+      rest_busy_q  <= 1'b0;
+    end else begin
+      video_busy_q <= video_busy;
+      rest_busy_q  <= log_busy || word_valid_o || frame_abort_o;
+    end
   end
-  assign busy_o = busy_q;
+  assign busy_o = video_busy_q || rest_busy_q;
 endmodule : slog_frontend

@@ -33,7 +33,8 @@ module slog_line_buffer #(
   logic [PosW-1:0]    pos_q2;
   logic               bottom_q, bottom_q2;
   logic [DistW-1:0]   dist_q;
-  logic [Radius-1:0]  beyond_q2, old_q3, new_q3;
+  logic [1:0]         shift_q2;  // how far beyond_q2 is still to be moved
+  logic [Radius-1:0]  beyond_q2, beyond, old_q3, new_q3;
   logic [2*Banks-1:0] four_q3;  // one-hot: the four lines among which the border row is
   logic [64*Banks-1:0]  lines_q3;
   logic [2*Banks-1:0][7:0] edges_q3;
@@ -45,6 +46,8 @@ module slog_line_buffer #(
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[0], valid_i};
   end
+
+  assign beyond = beyond_q2 << shift_q2;
 
   always_comb begin
     picked = '0;
@@ -63,13 +66,14 @@ module slog_line_buffer #(
       col_q2 <= col_q;
       px_q2  <= px_q;
       pos_q2 <= bottom_q ? PosW'(Radius) + PosW'(dist_q) : PosW'(Radius) - PosW'(dist_q);
-      beyond_q2 <= {Radius{1'b1}} << dist_q;
+      beyond_q2 <= {Radius{1'b1}} << {dist_q[DistW-1:2], 2'b00};
+      shift_q2  <= dist_q[1:0];
       bottom_q2 <= bottom_q;
     end
     px_q3     <= px_q2;
     for (int unsigned k = 0; k < 2 * Banks; k++) four_q3[k] <= pos_q2[PosW-1:2] == (PosW-2)'(k);
-    old_q3    <= bottom_q2 ? '0 : beyond_q2;
-    new_q3    <= bottom_q2 ? beyond_q2 : '0;
+    old_q3    <= bottom_q2 ? '0 : beyond;
+    new_q3    <= bottom_q2 ? beyond : '0;
     window_q4 <= {px_q3, lines_q3};
     edge_q4   <= picked;
     old_q4    <= old_q3;

@@ -76,9 +76,8 @@ module slog_video_in #(
   logic full_q;              // the ring has no room
   logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
   logic at_end_q;            // the next pixel is a line's last, in a frame
-  logic more_end_q;          // and not the frame's
   logic last_row_q;          // the line received is a frame's last
-  logic come, beat, good_end, kill, wr_en, active, at_end;
+  logic come, beat, good_end, kill, wr_en, active;
   logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
   logic event_last_q;        // the beat ended a line
 
@@ -87,7 +86,7 @@ module slog_video_in #(
   assign beat     = come && !(hold_i && outside_q);
   assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
   assign good_end = come && at_end_q && !tuser_i && tlast_i;
-  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q) : tlast_i ? more_end_q : active_q && !at_end_q;
+  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q) : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
   assign wr_en    = come && (active_q || (tuser_i && !hold_i));
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
@@ -107,10 +106,10 @@ module slog_video_in #(
         active_q  <= active;
         outside_q <= !active;
       end
-      if (beat) closed_q <= !tuser_i && tlast_i && at_end_q && !more_end_q;
+      if (beat) closed_q <= !tuser_i && tlast_i && at_end_q && last_row_q;
       event_commit_q <= good_end;
       event_kill_q   <= kill;
-      event_start_q  <= beat && tuser_i;
+      event_start_q  <= come && tuser_i && (active_q || !hold_i);
       drop_owed_q    <= (event_kill_q && event_start_q && event_last_q) || (drop && drop_owed_q);
       dropped_q      <= drop || drop_owed_q;
     end
@@ -126,7 +125,6 @@ module slog_video_in #(
   logic [AddrW-1:0] wr_addr_q, wr_addr;
 
   assign near_end = !event_start_q && (wr_en_q ? end_1_q : end_0_q);
-  assign at_end   = near_end && active_q && !tuser_i && !tlast_i;
   assign wr_addr  = event_start_q ? base(wr_line_q) : wr_addr_q;
 
   always_ff @(posedge clk_i) begin
@@ -145,15 +143,11 @@ module slog_video_in #(
     if (event_start_q) first_row_q <= 1'b1;
     else if (event_commit_q) first_row_q <= 1'b0;
     if (rst_i) begin
-      at_end_q   <= 1'b0;
-      more_end_q <= 1'b0;
-      wr_en_q    <= 1'b0;
-      wr_line_q  <= '0;
+      at_end_q  <= 1'b0;
+      wr_en_q   <= 1'b0;
+      wr_line_q <= '0;
     end else begin
-      if (come) begin
-        at_end_q   <= at_end;
-        more_end_q <= at_end && !last_row_q;
-      end
+      if (come) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
       wr_en_q <= wr_en;
       if (event_commit_q) wr_line_q <= next_line(wr_line_q);
     end
@@ -162,35 +156,32 @@ module slog_video_in #(
   // ---- Ring: what each committed line is, the oldest first. "Current" is the frame whose start of frame came last.
   typedef struct packed {
     logic valid;
-    logic current;
-    logic dead;
+    logic current; // and valid
+    logic dead;    // and valid
     logic first;   // of its frame
   } line_t;
   line_t [Lines-1:0] line_q, line_d;
   logic              head_current, head_dead;  // of the oldest, as it is in this clock
   logic              boundary_q;    // no line is read, or its last pixel is
-  logic              along_q;       // the contrary
-  logic              take_q;        // at a boundary, and there is a line
-  logic              free_q;        // at a boundary, and there is none
   logic              reading_q;     // a line of the ring is read
-  logic [1:0]        used_q, used_d;  // lines committed or being read
-  logic              start_line, full;
+  logic [1:0]        used_q, used_d;  // lines in it or being read
+  logic              start_line, skip, full;
 
   always_comb begin
     for (int unsigned n = 0; n < Lines; n++) begin
       line_t kept;
       logic ahead;  // the place before holds a line
-      kept  = !take_q ? line_q[n] : (n + 1 < Lines) ? line_q[(n + 1) % Lines] : '0;
-      ahead = n == 0 || (take_q ? line_q[n].valid : line_q[(n + Lines - 1) % Lines].valid);
+      kept  = !boundary_q ? line_q[n] : (n + 1 < Lines) ? line_q[(n + 1) % Lines] : '0;
+      ahead = n == 0 || (boundary_q ? line_q[n].valid : line_q[(n + Lines - 1) % Lines].valid);
       line_d[n].valid   = kept.valid || (event_commit_q && ahead);
-      line_d[n].current = !kept.valid || (kept.current && !event_start_q);
-      line_d[n].dead    = kept.valid && (kept.dead || (event_kill_q && kept.current));
+      line_d[n].current = kept.valid ? kept.current && !event_start_q : event_commit_q && ahead;
+      line_d[n].dead    = kept.dead || (event_kill_q && kept.current);
       line_d[n].first   = kept.valid ? kept.first : first_row_q;
     end
     head_current = line_q[0].current && !event_start_q;
     head_dead    = line_q[0].dead || (event_kill_q && line_q[0].current);
-    full         = !(reading_q && boundary_q) && !(take_q && head_dead) && (full_q || (used_q == 2'd2 && good_end));
-    used_d       = used_q + 2'(good_end) - 2'(reading_q && boundary_q) - 2'(take_q && head_dead);
+    full         = !(reading_q && boundary_q) && !skip && (full_q || (good_end && used_q == (event_commit_q ? 2'd1 : 2'd2)));
+    used_d       = used_q + 2'(event_commit_q) - 2'(reading_q && boundary_q) - 2'(skip);
   end
 
   always_ff @(posedge clk_i) begin
@@ -199,7 +190,7 @@ module slog_video_in #(
       used_q <= '0;
       full_q <= 1'b0;
       room_q <= 1'b1;
-      for (int unsigned n = 0; n < Lines; n++) line_q[n].valid <= 1'b0;
+      for (int unsigned n = 0; n < Lines; n++) {line_q[n].valid, line_q[n].current, line_q[n].dead} <= '0;
     end else begin
       used_q <= used_d;
       full_q <= full;
@@ -218,14 +209,15 @@ module slog_video_in #(
   logic             out_active_q, out_current_q, out_active, out_current;
   logic             ended_q;                           // the last pixel of the last row out
   logic [DistW-1:0] out_top_q;
-  logic             skip, wait_on, boundary, mid_frame, out_starts, out_kill;
+  logic             wait_on, boundary, mid_frame, out_starts, out_kill;
 
   // The next clock is at a boundary: a dead line is passed over, there is nothing to begin, or the line ends.
-  assign skip         = take_q && head_dead;
+  assign skip         = boundary_q && head_dead;
   // A filler may begin if a complete frame has rows to give.
-  assign wait_on      = free_q && (!out_active_q || ended_q || mid_frame_q || active_q || (event_kill_q && out_current_q));
+  assign wait_on      = boundary_q && !line_q[0].valid &&
+                        (!out_active_q || ended_q || mid_frame_q || active_q || (event_kill_q && out_current_q));
   assign boundary     = skip || wait_on || next_last_q;
-  assign start_line   = take_q && !head_dead;
+  assign start_line   = boundary_q && line_q[0].valid && !head_dead;
   assign out_starts   = start_line && !line_q[0].first && row_is_out_q;
   assign rd_current   = started_q ? head_current_q : rd_current_q;
   assign out_active   = starts_q || out_active_q;
@@ -254,16 +246,13 @@ module slog_video_in #(
   end
 
   always_ff @(posedge clk_i) begin
-    rd_addr_q   <= along_q ? rd_addr_q + 1'b1 : base(rd_line_q);
-    rd_col_q    <= along_q ? rd_col_q + 1'b1 : '0;
+    rd_addr_q   <= boundary_q ? base(rd_line_q) : rd_addr_q + 1'b1;
+    rd_col_q    <= boundary_q ? '0 : rd_col_q + 1'b1;
     rd_first_q  <= boundary_q;
     next_last_q <= rd_col_q == col_third_q;
     if (rst_i) begin
       rd_line_q     <= '0;
       boundary_q    <= 1'b1;
-      along_q       <= 1'b0;
-      take_q        <= 1'b0;
-      free_q        <= 1'b1;
       reading_q     <= 1'b0;
       rd_active_q   <= 1'b0;
       rd_current_q  <= 1'b0;
@@ -272,11 +261,8 @@ module slog_video_in #(
       out_current_q <= 1'b0;
       ended_q       <= 1'b0;
     end else begin
-      if (take_q) rd_line_q <= next_line(rd_line_q);
+      if (boundary_q && line_q[0].valid) rd_line_q <= next_line(rd_line_q);
       boundary_q    <= boundary;
-      along_q       <= !boundary;
-      take_q        <= boundary && line_d[0].valid;
-      free_q        <= boundary && !line_d[0].valid;
       rd_active_q   <= !skip && !wait_on;
       reading_q     <= start_line || (reading_q && !boundary_q);
       mid_frame_q   <= mid_frame;
@@ -367,16 +353,16 @@ module slog_video_in #(
   assign px_done_o   = done_q2;
   assign px_abort_o  = abort_q2;
   assign accepted_o  = done_q;
-  assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q || under_way_q;
+  assign busy_o      = active_q || event_commit_q || used_q != '0 || rd_active_q || out_active_q || under_way_q;
 
   // Counters that follow a clock later need lines of some length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
   logic [2:0] used;
-  assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q) + 3'(event_commit_q);
-  `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used == 3'(Lines)))
-  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
-  `SLOG_ASSERT(SlogVideoInTake, take_q == (boundary_q && line_q[0].valid) && free_q == (boundary_q && !line_q[0].valid))
-  `SLOG_ASSERT(SlogVideoInAtEnd, (at_end_q |-> active_q) && more_end_q == (at_end_q && !last_row_q))
+  assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q);
+  `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used + 3'(event_commit_q) == 3'(Lines)))
+  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q))
+  `SLOG_ASSERT(SlogVideoInHead, (line_q[0].current || line_q[0].dead) |-> line_q[0].valid)
+  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
   `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) && abort == (out_kill && !starts_q))
   `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q || valid_q2 || abort_q || abort_q2))
