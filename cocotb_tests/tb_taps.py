@@ -28,12 +28,13 @@ def lines(rng: random.Random, radius: int, width: int) -> Stimulus:
 
 @cocotb.test()
 async def every_clock(dut) -> None:
-    radius = params()["Radius"]
+    p = params()
+    radius = p["Radius"]
     valid = 0
 
     def count(i: Inputs, out: Outputs) -> None:
         nonlocal valid
         valid += out["valid_o"] or 0
 
-    await check_cycles(dut, TapsModel(radius), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
+    await check_cycles(dut, TapsModel(radius, p["DataW"]), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
     assert valid > 50 * (2 * radius + 2)

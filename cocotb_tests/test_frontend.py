@@ -19,9 +19,9 @@ def test_line_buffer() -> None:
 
 
 @pytest.mark.parametrize("shape", [
-    {"Radius": 8, "DataW": 8, "Row": 0, "Kernels": 2, "SumW": 24, "Bias": 64},
-    {"Radius": 8, "DataW": 18, "Row": 1, "Kernels": 1, "SumW": 36, "Bias": -1},
-    {"Radius": 3, "DataW": 18, "Row": 0, "Kernels": 1, "SumW": 36, "Bias": 5},
+    {"Radius": 8, "DataW": 8, "Kernels": 2, "SumW": 24, "Bias": 64},
+    {"Radius": 8, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": -1},
+    {"Radius": 3, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": 5},
 ], ids=["column", "row", "small"])
 def test_fir(shape: dict[str, int]) -> None:
     simulate("slog_fir", FIR, "cocotb_tests.tb_fir", shape)

@@ -37,29 +37,17 @@ def levels(radius: int) -> int:
     return (radius + 1).bit_length()
 
 
-def replace_border(window: Sequence[int | None], edge: int | None, old: int, new: int) -> list[int | None]:
-    """Window (oldest first) with the values past the border replaced; bit d - 1 of `old` / `new`: distance d."""
-    radius = len(window) // 2
-    out = list(window)
-    for d in range(1, radius + 1):
-        if old >> (d - 1) & 1:
-            out[radius - d] = edge
-        if new >> (d - 1) & 1:
-            out[radius + d] = edge
-    return out
-
-
 class LineBufferModel:
-    """A column of the last `2 * radius` lines per pixel, 4 clocks later; between columns the outputs are anything."""
+    """A column of the last `2 * radius` lines per pixel, 5 clocks later; between columns it is anything."""
 
     INPUTS = ("rst_i", "valid_i", "px_i", "col_i", "bottom_i", "dist_i")
-    OUTPUTS = ("window_o", "edge_o", "beyond_old_o", "beyond_new_o")
-    LATENCY = 4
+    OUTPUTS = ("window_o",)
+    LATENCY = 5
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
-        self.pipe: deque[tuple[int, int, Bits] | None] = deque([None] * 3)
+        self.pipe: deque[tuple[int, int, Bits] | None] = deque([None] * (self.LATENCY - 1))
         self.out: Bits = dict.fromkeys(self.OUTPUTS)
 
     def step(self, i: dict[str, int]) -> Bits:
@@ -72,62 +60,47 @@ class LineBufferModel:
             self.lines[written[0]].append(written[1])
         self.pipe.appendleft(self._column(i) if i["valid_i"] else None)
         if i["rst_i"]:
-            self.pipe = deque([None] * 3)
+            self.pipe = deque([None] * len(self.pipe))
         return out
 
     def _column(self, i: dict[str, int]) -> tuple[int, int, Bits]:
         r, dist = self.radius, i["dist_i"]
-        window = [*self.lines[i["col_i"]], i["px_i"]]
-        beyond = sum(1 << (d - 1) for d in range(dist + 1, r + 1))
-        # Out of reach the edge is never used, but the multiplexer shows something all the same.
-        edge = window[(r + dist if i["bottom_i"] else r - dist) % (2 * r)]
-        return i["col_i"], i["px_i"], {
-            "window_o": pack(window, 8), "edge_o": edge,
-            "beyond_old_o": 0 if i["bottom_i"] else beyond, "beyond_new_o": beyond if i["bottom_i"] else 0}
+        lines = [*self.lines[i["col_i"]], i["px_i"]]
+        window = [lines[r + (min(d, dist) if i["bottom_i"] else max(d, -dist))] for d in range(-r, r + 1)]
+        return i["col_i"], i["px_i"], {"window_o": pack(window, 8)}
 
 
 class FirModel:
-    """Symmetric FIR; `row`: the window is kept here and moves every clock. Sums keep their last value."""
+    """Symmetric FIR. Sums keep their last value."""
 
-    INPUTS = ("rst_i", "valid_i", "window_i", "edge_i", "beyond_old_i", "beyond_new_i", "coef_i")
+    INPUTS = ("rst_i", "valid_i", "window_i", "coef_i")
     OUTPUTS = ("sum_o",)
 
-    def __init__(self, radius: int, data_bits: int, row: bool, kernels: int, sum_bits: int, bias: int) -> None:
-        self.radius, self.data_bits, self.row = radius, data_bits, row
+    def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
+        self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.kept: deque[int | None] = deque([None] * (2 * radius), 2 * radius)
-        self.pipe: deque[tuple[int | None] | None] = deque([None] * (3 + levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (2 + levels(radius)))
         self.sum: int | None = None
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         out: Bits = {"sum_o": self.sum}
         done = self.pipe.pop()
-        if done:
-            self.sum = done[0]
-        self.pipe.appendleft((self._sums(i),) if i["valid_i"] else None)
-        if self.row:
-            self.kept.append(i["window_i"])
+        if done is not None:
+            self.sum = done
+        self.pipe.appendleft(self._sums(i) if i["valid_i"] else None)
         if i["rst_i"]:
             self.pipe = deque([None] * len(self.pipe))
         return out
 
     def _sums(self, i: dict[str, int]) -> int | None:
         r, n = self.radius, self.data_bits
-        given = [i["window_i"] >> (n * k) & ((1 << n) - 1) for k in range(1 if self.row else 2 * r + 1)]
-        window = replace_border([*self.kept, *given] if self.row else given,
-                                i["edge_i"], i["beyond_old_i"], i["beyond_new_i"])
+        window = [i["window_i"] >> (n * k) & ((1 << n) - 1) for k in range(2 * r + 1)]
         sums = []
         for k in range(self.kernels):
             half = unpack(i["coef_i"] >> (18 * (r + 1) * k), 18, r + 1)
-            total = self.bias
-            for d in range(r + 1):
-                pair = {r - d, r + d}
-                values = [window[p] for p in pair]
-                if any(v is None for v in values):
-                    return None
-                total += half[d] * signed(sum(v for v in values if v is not None), 18)
-            sums.append(total)
+            folds = (sum(window[p] for p in {r - d, r + d}) for d in range(r + 1))
+            sums.append(self.bias + sum(c * signed(fold, 18) for c, fold in zip(half, folds, strict=True)))
         return pack(sums, self.sum_bits)
 
 
@@ -136,41 +109,34 @@ class _Tap:
     valid: int = 0
     first: int = 0
     last: int = 0
-    a: int | None = None
-    b: int | None = None
+    a: int = 0
+    b: int = 0
 
 
 class TapsModel:
-    """Border control of the horizontal filters: where in the shifting window the line's ends are."""
+    """Windows of the horizontal filters, cut from what came where the line around the centre ends."""
 
     INPUTS = ("rst_i", "valid_i", "first_i", "last_i", "a_i", "b_i")
-    OUTPUTS = ("a_new_o", "b_new_o", "valid_o", "a_edge_o", "b_edge_o", "beyond_old_o", "beyond_new_o")
+    OUTPUTS = ("valid_o", "a_window_o", "b_window_o")
 
-    def __init__(self, radius: int) -> None:
-        self.radius = radius
-        self.taps = [_Tap() for _ in range(2 * radius)]
-        self.start: tuple[int | None, int | None] = (None, None)
-        self.edge: tuple[int | None, int | None] = (None, None)
+    def __init__(self, radius: int, data_bits: int) -> None:
+        self.radius, self.data_bits = radius, data_bits
+        self.taps: deque[_Tap] = deque([_Tap() for _ in range(2 * radius + 1)], 2 * radius + 1)  # the oldest first
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         r, taps = self.radius, self.taps
-        old = next((d for d in range(r) if taps[r + d].first), r)  # distance from the centre to the line's first
-        new = next((r - k for k in range(1, r + 1) if taps[k].last), r)
-        out: Bits = {
-            "a_new_o": taps[0].a, "b_new_o": taps[0].b, "valid_o": taps[r].valid,
-            "a_edge_o": self.edge[0], "b_edge_o": self.edge[1],
-            "beyond_old_o": ((1 << r) - 1) >> old << old, "beyond_new_o": ((1 << r) - 1) >> new << new}
-        if taps[r - 1].first:
-            self.edge = self.start
-        elif taps[0].last:
-            self.edge = (taps[0].a, taps[0].b)
-        if i["valid_i"] and i["first_i"]:
-            self.start = (i["a_i"], i["b_i"])
+        out: Bits = {"valid_o": taps[r].valid, "a_window_o": None, "b_window_o": None}
+        if taps[r].valid:
+            oldest = next((k for k in range(r, -1, -1) if taps[k].first), 0)
+            newest = next((k for k in range(r, 2 * r + 1) if taps[k].last), 2 * r)
+            window = [taps[min(max(k, oldest), newest)] for k in range(2 * r + 1)]
+            out |= {"a_window_o": pack([t.a for t in window], self.data_bits),
+                    "b_window_o": pack([t.b for t in window], self.data_bits)}
         v = i["valid_i"]
-        self.taps = [_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]), *taps[:-1]]
+        taps.append(_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]))
         if i["rst_i"]:
-            self.taps = [_Tap(a=t.a, b=t.b) for t in self.taps]
+            taps.extend([_Tap() for _ in taps])
         return out
 
 
@@ -190,7 +156,7 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 14 + radius + 2 * levels(radius)
+        self.latency = 13 + radius + 2 * levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])

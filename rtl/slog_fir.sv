@@ -1,36 +1,29 @@
-// Symmetric FIR over a window with border replacement; one or two kernels over the same window.
+// Symmetric FIR; one or two kernels over the same window.
 //
-// w[i] = past the border ? edge : window[i];   fold[0] = w[R],  fold[d] = w[R - d] + w[R + d]   (R = Radius)
+// fold[0] = w[R],  fold[d] = w[R - d] + w[R + d]   (w = window_i, R = Radius)
 // sum_o[k] = Bias + sum over d = 0..R of coef_i[k][d] * fold[d]
 //
-// The window comes whole (Row = 0), or the module keeps it (Row = 1): window_i is then the newest value, which window[2R]
-// is, and the rest follows by one place a clock.
-//
-// Stages     : 1 replace, fold    2..4 multiply    then clog2(Radius + 2) levels of adders
-// Latency    : 4 + clog2(Radius + 2) clocks from valid_i, with the window and its border, to sum_o.
+// Stages     : 1..3 fold and multiply    then clog2(Radius + 2) levels of adders
+// Latency    : 3 + clog2(Radius + 2) clocks from valid_i, with the window, to sum_o.
 // Throughput : one window per clock. sum_o holds until the next valid window's sum.
 // Formats    : window DataW <= 18 bits, two's complement if 18, else unsigned; fold modulo 2**18; coefficients 18-bit
-//              signed, constant while anything is under way; sums modulo 2**SumW, SumW <= 36.
+//              signed, constant from the clock before a valid window as long as anything is under way; sums modulo
+//              2**SumW, SumW <= 36.
 `include "slog_assert.svh"
 module slog_fir #(
     parameter  int unsigned Radius  = 8,
     parameter  int unsigned DataW   = 8,
-    parameter  bit          Row     = 1'b0,
     parameter  int unsigned Kernels = 2,
     parameter  int unsigned SumW    = 25,
     parameter  int          Bias    = 0,
     localparam int unsigned Taps    = 2 * Radius + 1,
-    localparam int unsigned InTaps  = Row ? 1 : Taps,
     localparam int unsigned Levels  = $clog2(Radius + 2),
-    localparam int unsigned Latency = 4 + Levels
+    localparam int unsigned Latency = 3 + Levels
 ) (
     input  logic                               clk_i,
     input  logic                               rst_i,
     input  logic                               valid_i,
-    input  logic [InTaps-1:0][DataW-1:0]       window_i,
-    input  logic [DataW-1:0]                   edge_i,
-    input  logic [Radius-1:0]                  beyond_old_i,
-    input  logic [Radius-1:0]                  beyond_new_i,
+    input  logic [Taps-1:0][DataW-1:0]         window_i,
     input  logic [Kernels-1:0][Radius:0][17:0] coef_i,
     output logic [Kernels-1:0][SumW-1:0]       sum_o
 );
@@ -42,49 +35,17 @@ module slog_fir #(
   endfunction
 
   logic [Latency-2:0] valid_q;  // [k]: stage k + 1 holds something
-  logic               mult_q;   // the multipliers or their operands hold something
+  logic               mult;     // the multipliers or their operands hold something
+  assign mult = valid_i || valid_q[1:0] != '0;
   always_ff @(posedge clk_i) begin
-    if (rst_i) begin
-      valid_q <= '0;
-      mult_q  <= 1'b0;
-    end else begin
-      valid_q <= {valid_q[Latency-3:0], valid_i};
-      mult_q  <= valid_i || valid_q[1:0] != '0;
-    end
+    if (rst_i) valid_q <= '0;
+    else valid_q <= {valid_q[Latency-3:0], valid_i};
   end
 
-  logic [DataW-1:0] value[Taps];
-  if (Row) begin : g_kept
-    logic [DataW-1:0] kept_q[Taps-1];
-    always_ff @(posedge clk_i) begin
-      for (int unsigned i = 0; i < Taps - 1; i++) kept_q[i] <= value[i+1];
-    end
-    for (genvar i = 0; i < Taps - 1; i++) begin : g_value
-      assign value[i] = kept_q[i];
-    end
-    assign value[Taps-1] = window_i[0];
-  end else begin : g_given
-    for (genvar i = 0; i < Taps; i++) begin : g_value
-      assign value[i] = window_i[i];
-    end
-  end
-
-  // The outer condition follows from the inner ones: it spares the simulator all of them where there is no border.
-  logic [DataW-1:0] taken[Taps];
+  logic [17:0] fold[Radius+1];
   always_comb begin
-    taken = value;
-    if (beyond_old_i != '0 || beyond_new_i != '0) begin
-      for (int unsigned d = 1; d <= Radius; d++) begin
-        if (beyond_old_i[d-1]) taken[Radius-d] = edge_i;
-        if (beyond_new_i[d-1]) taken[Radius+d] = edge_i;
-      end
-    end
-  end
-
-  logic [17:0] fold_q[Radius+1];
-  always_ff @(posedge clk_i) begin
-    fold_q[0] <= 18'(taken[Radius]);
-    for (int unsigned d = 1; d <= Radius; d++) fold_q[d] <= 18'(taken[Radius-d]) + 18'(taken[Radius+d]);
+    fold[0] = 18'(window_i[Radius]);
+    for (int unsigned d = 1; d <= Radius; d++) fold[d] = 18'(window_i[Radius-d]) + 18'(window_i[Radius+d]);
   end
 
   for (genvar k = 0; k < Kernels; k++) begin : g_kernel
@@ -94,8 +55,8 @@ module slog_fir #(
       assign term = product[SumW-1:0];
       slog_mult u_mult (
           .clk_i,
-          .en_i(mult_q),
-          .a_i (fold_q[d]),
+          .en_i(mult),
+          .a_i (fold[d]),
           .b_i (coef_i[k][d]),
           .p_o (product)
       );
@@ -120,7 +81,7 @@ module slog_fir #(
           end
         end
         if (l == Levels - 1) begin : g_out
-          always_ff @(posedge clk_i) if (valid_q[l+3]) sum_q <= sum;
+          always_ff @(posedge clk_i) if (valid_q[l+2]) sum_q <= sum;
         end else begin : g_register
           always_ff @(posedge clk_i) sum_q <= sum;
         end
@@ -129,6 +90,6 @@ module slog_fir #(
     assign sum_o[k] = g_level[Levels-1].g_node[0].sum_q;
   end
 
-  `SLOG_ASSERT(SlogFirCoefficientsStatic, mult_q |-> $stable(coef_i))
+  `SLOG_ASSERT(SlogFirCoefficientsStatic, mult |-> $stable(coef_i))
   `SLOG_ASSERT_INIT(SlogFirWidths, DataW <= 18 && SumW <= 36)
 endmodule : slog_fir

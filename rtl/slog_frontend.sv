@@ -1,7 +1,7 @@
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
-// Latency    : 19 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
-//              first word of the row Radius lines above it: 109 for full, 43 for tiny.
+// Latency    : 18 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
+//              first word of the row Radius lines above it: 108 for full, 42 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
@@ -123,10 +123,15 @@ module slog_frontend #(
       .frame_abort_o
   );
 
-  logic busy_q;
+  logic video_busy_q, rest_busy_q;
   always_ff @(posedge clk_i) begin
-    if (rst_i) busy_q <= 1'b0;
-    else busy_q <= video_busy || log_busy || word_valid_o || frame_abort_o;
+    if (rst_i) begin
+      video_busy_q <= 1'b0;
+      rest_busy_q  <= 1'b0;
+    end else begin
+      video_busy_q <= video_busy;
+      rest_busy_q  <= log_busy || word_valid_o || frame_abort_o;
+    end
   end
-  assign busy_o = busy_q;
+  assign busy_o = video_busy_q || rest_busy_q;
 endmodule : slog_frontend

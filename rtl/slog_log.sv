@@ -3,8 +3,8 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
 // past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : line buffer 4, vertical FIR 4 + L, window Radius + 1, horizontal FIR 4 + L, sum 1; L = clog2(Radius + 2)
-// Latency    : 14 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 40 at radius 16, 30 at radius 8.
+// Stages     : line buffer 5, vertical FIR 3 + L, window Radius + 1, horizontal FIR 3 + L, sum 1; L = clog2(Radius + 2)
+// Latency    : 13 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 39 at radius 16, 29 at radius 8.
 // Throughput : one pixel per clock, whole lines in consecutive clocks.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
 module slog_log #(
@@ -13,7 +13,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 14 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 13 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -39,8 +39,8 @@ module slog_log #(
     output logic                  bit_abort_o,
     output logic                  busy_o
 );
-  localparam int unsigned FirLatency = 4 + Levels;
-  localparam int unsigned ToVertical = 4;
+  localparam int unsigned FirLatency = 3 + Levels;
+  localparam int unsigned ToVertical = 5;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap
   localparam int unsigned SumH       = 36;
@@ -75,23 +75,18 @@ module slog_log #(
   end
 
   logic [2*Radius:0][7:0] column;
-  logic [7:0]             column_edge;
-  logic [Radius-1:0]      column_old, column_new;
   slog_line_buffer #(
       .MaxWidth(MaxWidth),
       .Radius  (Radius)
   ) u_lines (
       .clk_i,
       .rst_i,
-      .valid_i     (px_valid_i),
-      .px_i        (px_data_i),
-      .col_i       (px_col_i),
-      .bottom_i    (px_bottom_i),
-      .dist_i      (px_dist_i),
-      .window_o    (column),
-      .edge_o      (column_edge),
-      .beyond_old_o(column_old),
-      .beyond_new_o(column_new)
+      .valid_i (px_valid_i),
+      .px_i    (px_data_i),
+      .col_i   (px_col_i),
+      .bottom_i(px_bottom_i),
+      .dist_i  (px_dist_i),
+      .window_o(column)
   );
 
   logic [1:0][SumV-1:0] vertical;
@@ -99,45 +94,36 @@ module slog_log #(
   slog_fir #(
       .Radius (Radius),
       .DataW  (8),
-      .Row    (1'b0),
       .Kernels(2),
       .SumW   (SumV),
       .Bias   (64)
   ) u_vertical (
       .clk_i,
       .rst_i,
-      .valid_i     (out_q[ToVertical-1]),
-      .window_i    (column),
-      .edge_i      (column_edge),
-      .beyond_old_i(column_old),
-      .beyond_new_i(column_new),
-      .coef_i      ({g2_i, g_i}),
-      .sum_o       (vertical)
+      .valid_i (out_q[ToVertical-1]),
+      .window_i(column),
+      .coef_i  ({g2_i, g_i}),
+      .sum_o   (vertical)
   );
   assign smoothed = {vertical[0][23], vertical[0][7+:17]};
   assign curved   = {vertical[1][23], vertical[1][7+:17]};
 
-  logic              row_valid;
-  logic [17:0]       smoothed_new, smoothed_edge, curved_new, curved_edge;
-  logic [Radius-1:0] row_old, row_new;
+  logic                    row_valid;
+  logic [2*Radius:0][17:0] smoothed_row, curved_row;
   slog_taps #(
       .Radius(Radius),
       .DataW (18)
   ) u_taps (
       .clk_i,
       .rst_i,
-      .valid_i     (out_q[ToTaps-1]),
-      .first_i     (first_q[ToTaps-1]),
-      .last_i      (last_q[ToTaps-1]),
-      .a_i         (smoothed),
-      .b_i         (curved),
-      .a_new_o     (smoothed_new),
-      .b_new_o     (curved_new),
-      .valid_o     (row_valid),
-      .a_edge_o    (smoothed_edge),
-      .b_edge_o    (curved_edge),
-      .beyond_old_o(row_old),
-      .beyond_new_o(row_new)
+      .valid_i   (out_q[ToTaps-1]),
+      .first_i   (first_q[ToTaps-1]),
+      .last_i    (last_q[ToTaps-1]),
+      .a_i       (smoothed),
+      .b_i       (curved),
+      .valid_o   (row_valid),
+      .a_window_o(smoothed_row),
+      .b_window_o(curved_row)
   );
 
   // The bias -1 turns "sum > 0" into "sum - 1 >= 0", which is the sum's sign bit.
@@ -145,48 +131,40 @@ module slog_log #(
   slog_fir #(
       .Radius (Radius),
       .DataW  (18),
-      .Row    (1'b1),
       .Kernels(1),
       .SumW   (SumH),
       .Bias   (-1)
   ) u_smoothed (
       .clk_i,
       .rst_i,
-      .valid_i     (row_valid),
-      .window_i    (smoothed_new),
-      .edge_i      (smoothed_edge),
-      .beyond_old_i(row_old),
-      .beyond_new_i(row_new),
-      .coef_i      (g2_i),
-      .sum_o       (term_a)
+      .valid_i (row_valid),
+      .window_i(smoothed_row),
+      .coef_i  (g2_i),
+      .sum_o   (term_a)
   );
   slog_fir #(
       .Radius (Radius),
       .DataW  (18),
-      .Row    (1'b1),
       .Kernels(1),
       .SumW   (SumH),
       .Bias   (0)
   ) u_curved (
       .clk_i,
       .rst_i,
-      .valid_i     (row_valid),
-      .window_i    (curved_new),
-      .edge_i      (curved_edge),
-      .beyond_old_i(row_old),
-      .beyond_new_i(row_new),
-      .coef_i      (g_i),
-      .sum_o       (term_b)
+      .valid_i (row_valid),
+      .window_i(curved_row),
+      .coef_i  (g_i),
+      .sum_o   (term_b)
   );
 
-  logic            bit_q;
+  logic            dark_q;  // not > 0
   logic [SumH-1:0] response_less_1;
   assign response_less_1 = term_a + term_b;
   always_ff @(posedge clk_i) begin
-    if (live_q[Latency-2]) bit_q <= !response_less_1[SumH-1];
+    if (live_q[Latency-2]) dark_q <= response_less_1[SumH-1];
   end
 
-  assign bit_o       = bit_q;
+  assign bit_o       = !dark_q;
   assign bit_valid_o = live_q[Latency-1];
   assign bit_last_o  = last_q[Latency-1];
   assign bit_start_o = start_q[Latency-1];

@@ -77,17 +77,17 @@ module slog_video_in #(
   logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
   logic at_end_q;            // the next pixel is a line's last, in a frame
   logic last_row_q;          // the line received is a frame's last
-  logic beat, good_end, kill, wr_en, active;
+  logic come, beat, good_end, kill, wr_en, active;
   logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
   logic event_last_q;        // the beat ended a line
 
   assign tready_o = !full_q && !(hold_i && !active_q);
-  assign beat     = tvalid_i && room_q && !(hold_i && outside_q);
-  assign kill     = beat && (active_q ? (tuser_i || (tlast_i != at_end_q)) : closed_q && !tuser_i);
-  assign good_end = tvalid_i && room_q && at_end_q && !tuser_i && tlast_i;
-  assign active   = !beat ? active_q : tuser_i ? !tlast_i
-                    : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
-  assign wr_en    = beat && (tuser_i || active_q);
+  assign come     = tvalid_i && room_q;  // a beat, unless held back
+  assign beat     = come && !(hold_i && outside_q);
+  assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
+  assign good_end = come && at_end_q && !tuser_i && tlast_i;
+  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q) : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
+  assign wr_en    = come && (active_q || (tuser_i && !hold_i));
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
 
@@ -102,12 +102,14 @@ module slog_video_in #(
       drop_owed_q    <= 1'b0;
       dropped_q      <= 1'b0;
     end else begin
-      active_q  <= active;
-      outside_q <= !active;
-      if (beat) closed_q <= active_q && !tuser_i && tlast_i && at_end_q && last_row_q;
+      if (come) begin
+        active_q  <= active;
+        outside_q <= !active;
+      end
+      if (beat) closed_q <= !tuser_i && tlast_i && at_end_q && last_row_q;
       event_commit_q <= good_end;
       event_kill_q   <= kill;
-      event_start_q  <= beat && tuser_i;
+      event_start_q  <= come && tuser_i && (active_q || !hold_i);
       drop_owed_q    <= (event_kill_q && event_start_q && event_last_q) || (drop && drop_owed_q);
       dropped_q      <= drop || drop_owed_q;
     end
@@ -128,7 +130,6 @@ module slog_video_in #(
   always_ff @(posedge clk_i) begin
     wr_data_q <= tdata_i;
     event_last_q <= tlast_i;
-    if (beat) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
     end_0_q <= !event_start_q && (wr_en_q ? left_q == 10'd2 : left_q == 10'd1);
     end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
     if (wr_en_q) begin
@@ -146,6 +147,7 @@ module slog_video_in #(
       wr_en_q   <= 1'b0;
       wr_line_q <= '0;
     end else begin
+      if (come) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
       wr_en_q <= wr_en;
       if (event_commit_q) wr_line_q <= next_line(wr_line_q);
     end
@@ -154,35 +156,32 @@ module slog_video_in #(
   // ---- Ring: what each committed line is, the oldest first. "Current" is the frame whose start of frame came last.
   typedef struct packed {
     logic valid;
-    logic current;
-    logic dead;
+    logic current; // and valid
+    logic dead;    // and valid
     logic first;   // of its frame
   } line_t;
   line_t [Lines-1:0] line_q, line_d;
   logic              head_current, head_dead;  // of the oldest, as it is in this clock
   logic              boundary_q;    // no line is read, or its last pixel is
-  logic              along_q;       // the contrary
-  logic              take_q;        // at a boundary, and there is a line
-  logic              free_q;        // at a boundary, and there is none
   logic              reading_q;     // a line of the ring is read
-  logic [1:0]        used_q, used_d;  // lines committed or being read
-  logic              start_line, full;
+  logic [1:0]        used_q, used_d;  // lines in it or being read
+  logic              start_line, skip, full;
 
   always_comb begin
     for (int unsigned n = 0; n < Lines; n++) begin
       line_t kept;
       logic ahead;  // the place before holds a line
-      kept  = !take_q ? line_q[n] : (n + 1 < Lines) ? line_q[(n + 1) % Lines] : '0;
-      ahead = n == 0 || (take_q ? line_q[n].valid : line_q[(n + Lines - 1) % Lines].valid);
+      kept  = !boundary_q ? line_q[n] : (n + 1 < Lines) ? line_q[(n + 1) % Lines] : '0;
+      ahead = n == 0 || (boundary_q ? line_q[n].valid : line_q[(n + Lines - 1) % Lines].valid);
       line_d[n].valid   = kept.valid || (event_commit_q && ahead);
-      line_d[n].current = !kept.valid || (kept.current && !event_start_q);
-      line_d[n].dead    = kept.valid && (kept.dead || (event_kill_q && kept.current));
+      line_d[n].current = kept.valid ? kept.current && !event_start_q : event_commit_q && ahead;
+      line_d[n].dead    = kept.dead || (event_kill_q && kept.current);
       line_d[n].first   = kept.valid ? kept.first : first_row_q;
     end
     head_current = line_q[0].current && !event_start_q;
     head_dead    = line_q[0].dead || (event_kill_q && line_q[0].current);
-    full         = !(reading_q && boundary_q) && !(take_q && head_dead) && (full_q || (used_q == 2'd2 && good_end));
-    used_d       = used_q + 2'(good_end) - 2'(reading_q && boundary_q) - 2'(take_q && head_dead);
+    full         = !(reading_q && boundary_q) && !skip && (full_q || (good_end && used_q == (event_commit_q ? 2'd1 : 2'd2)));
+    used_d       = used_q + 2'(event_commit_q) - 2'(reading_q && boundary_q) - 2'(skip);
   end
 
   always_ff @(posedge clk_i) begin
@@ -191,7 +190,7 @@ module slog_video_in #(
       used_q <= '0;
       full_q <= 1'b0;
       room_q <= 1'b1;
-      for (int unsigned n = 0; n < Lines; n++) line_q[n].valid <= 1'b0;
+      for (int unsigned n = 0; n < Lines; n++) {line_q[n].valid, line_q[n].current, line_q[n].dead} <= '0;
     end else begin
       used_q <= used_d;
       full_q <= full;
@@ -210,21 +209,21 @@ module slog_video_in #(
   logic             out_active_q, out_current_q, out_active, out_current;
   logic             ended_q;                           // the last pixel of the last row out
   logic [DistW-1:0] out_top_q;
-  logic             fill_q;                            // a filler may begin: a complete frame has rows to give
-  logic             skip, wait_on, boundary, mid_frame, ended, out_starts, out_kill;
+  logic             wait_on, boundary, mid_frame, out_starts, out_kill;
 
   // The next clock is at a boundary: a dead line is passed over, there is nothing to begin, or the line ends.
-  assign skip         = take_q && head_dead;
-  assign wait_on      = free_q && (!fill_q || active_q || (event_kill_q && out_current_q));
+  assign skip         = boundary_q && head_dead;
+  // A filler may begin if a complete frame has rows to give.
+  assign wait_on      = boundary_q && !line_q[0].valid &&
+                        (!out_active_q || ended_q || mid_frame_q || active_q || (event_kill_q && out_current_q));
   assign boundary     = skip || wait_on || next_last_q;
-  assign start_line   = take_q && !head_dead;
+  assign start_line   = boundary_q && line_q[0].valid && !head_dead;
   assign out_starts   = start_line && !line_q[0].first && row_is_out_q;
   assign rd_current   = started_q ? head_current_q : rd_current_q;
   assign out_active   = starts_q || out_active_q;
   assign out_current  = starts_q ? head_current_q : out_current_q;
   assign out_kill     = event_kill_q && out_active && out_current;
   assign mid_frame    = (started_q ? !head_last_q : mid_frame_q) && !(event_kill_q && rd_current);
-  assign ended        = next_last_q && out_done_q;
 
   // What has a line's time to follow its start does so a clock later.
   always_ff @(posedge clk_i) begin
@@ -247,16 +246,13 @@ module slog_video_in #(
   end
 
   always_ff @(posedge clk_i) begin
-    rd_addr_q   <= along_q ? rd_addr_q + 1'b1 : base(rd_line_q);
-    rd_col_q    <= along_q ? rd_col_q + 1'b1 : '0;
+    rd_addr_q   <= boundary_q ? base(rd_line_q) : rd_addr_q + 1'b1;
+    rd_col_q    <= boundary_q ? '0 : rd_col_q + 1'b1;
     rd_first_q  <= boundary_q;
     next_last_q <= rd_col_q == col_third_q;
     if (rst_i) begin
       rd_line_q     <= '0;
       boundary_q    <= 1'b1;
-      along_q       <= 1'b0;
-      take_q        <= 1'b0;
-      free_q        <= 1'b1;
       reading_q     <= 1'b0;
       rd_active_q   <= 1'b0;
       rd_current_q  <= 1'b0;
@@ -264,21 +260,16 @@ module slog_video_in #(
       out_active_q  <= 1'b0;
       out_current_q <= 1'b0;
       ended_q       <= 1'b0;
-      fill_q        <= 1'b0;
     end else begin
-      if (take_q) rd_line_q <= next_line(rd_line_q);
+      if (boundary_q && line_q[0].valid) rd_line_q <= next_line(rd_line_q);
       boundary_q    <= boundary;
-      along_q       <= !boundary;
-      take_q        <= boundary && line_d[0].valid;
-      free_q        <= boundary && !line_d[0].valid;
       rd_active_q   <= !skip && !wait_on;
       reading_q     <= start_line || (reading_q && !boundary_q);
       mid_frame_q   <= mid_frame;
       rd_current_q  <= rd_current && !event_start_q;
       out_active_q  <= out_active && !out_kill && !ended_q;
       out_current_q <= out_current && !event_start_q;
-      ended_q       <= ended;
-      fill_q        <= out_active && !out_kill && !ended_q && !ended && !mid_frame;
+      ended_q       <= next_last_q && out_done_q;
     end
   end
 
@@ -287,26 +278,26 @@ module slog_video_in #(
     logic            first;
     logic            last;
     logic            out;
-    logic            live;
-    logic            start;
-    logic            done;
     logic [ColW-1:0] col;
   } issue_t;
   issue_t           issue, issue_q, issue_q2;
   logic             bottom_q2;
   logic [DistW-1:0] away_q2;
-  logic             line_out_q, line_out, valid_q, valid_q2, abort_q, abort_q2, accepted_q;
+  logic             line_out_q, line_out, valid_q, valid_q2, live, live_q, live_q2, start, start_q, start_q2;
+  logic             done, done_q, done_q2, abort, abort_q, abort_q2;
+  logic             under_way_q;  // a pixel or an abort in these stages
 
   // A line keeps computing when its frame dies half-way along it, so the filters always see whole lines.
   assign line_out = rd_first_q ? out_active : line_out_q;
+  assign live     = rd_active_q && out_active && !out_kill;
+  assign start    = starts_q && !(event_kill_q && head_current_q);
+  assign done     = ended_q && out_active_q && !(event_kill_q && out_current_q);
+  assign abort    = !starts_q && event_kill_q && out_active_q && out_current_q;
 
   always_comb begin
     issue.first = rd_first_q;
     issue.last  = boundary_q;
     issue.out   = line_out;
-    issue.live  = out_active && !out_kill;
-    issue.start = issue.live && starts_q;
-    issue.done  = issue.live && ended_q;
     issue.col   = ColW'(rd_col_q);
   end
 
@@ -321,17 +312,19 @@ module slog_video_in #(
       away_q2   <= out_bottom_q ? DistW'(out_left_q) : out_top_q;
     end
     if (rst_i) begin
-      valid_q    <= 1'b0;
-      valid_q2   <= 1'b0;
-      abort_q    <= 1'b0;
-      abort_q2   <= 1'b0;
-      accepted_q <= 1'b0;
+      {valid_q, valid_q2} <= '0;
+      {live_q, live_q2}   <= '0;
+      {start_q, start_q2} <= '0;
+      {done_q, done_q2}   <= '0;
+      {abort_q, abort_q2} <= '0;
+      under_way_q         <= 1'b0;
     end else begin
-      valid_q    <= rd_active_q;
-      valid_q2   <= valid_q;
-      abort_q    <= out_kill && !starts_q;
-      abort_q2   <= abort_q;
-      accepted_q <= rd_active_q && issue.done;
+      {valid_q, valid_q2} <= {rd_active_q, valid_q};
+      {live_q, live_q2}   <= {live, live_q};
+      {start_q, start_q2} <= {start, start_q};
+      {done_q, done_q2}   <= {done, done_q};
+      {abort_q, abort_q2} <= {abort, abort_q};
+      under_way_q         <= rd_active_q || valid_q || abort || abort_q;
     end
   end
 
@@ -355,23 +348,24 @@ module slog_video_in #(
   assign px_out_o    = issue_q2.out;
   assign px_bottom_o = bottom_q2;
   assign px_dist_o   = away_q2;
-  assign px_live_o   = valid_q2 && issue_q2.live;
-  assign px_start_o  = valid_q2 && issue_q2.start;
-  assign px_done_o   = valid_q2 && issue_q2.done;
+  assign px_live_o   = live_q2;
+  assign px_start_o  = start_q2;
+  assign px_done_o   = done_q2;
   assign px_abort_o  = abort_q2;
-  assign accepted_o  = accepted_q;
-  assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q
-                       || valid_q || valid_q2 || abort_q || abort_q2;
+  assign accepted_o  = done_q;
+  assign busy_o      = active_q || event_commit_q || used_q != '0 || rd_active_q || out_active_q || under_way_q;
 
   // Counters that follow a clock later need lines of some length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
   logic [2:0] used;
-  assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q) + 3'(event_commit_q);
-  `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used == 3'(Lines)))
-  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
-  `SLOG_ASSERT(SlogVideoInTake, take_q == (boundary_q && line_q[0].valid) && free_q == (boundary_q && !line_q[0].valid))
-  `SLOG_ASSERT(SlogVideoInFill, fill_q == (out_active_q && !ended_q && !mid_frame_q))
+  assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q);
+  `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used + 3'(event_commit_q) == 3'(Lines)))
+  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q))
+  `SLOG_ASSERT(SlogVideoInHead, (line_q[0].current || line_q[0].dead) |-> line_q[0].valid)
   `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
+  `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
+  `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) && abort == (out_kill && !starts_q))
+  `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q || valid_q2 || abort_q || abort_q2))
   `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
   `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
   `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active && !ended_q && !out_kill))
