@@ -55,7 +55,7 @@ module slog_capture #(
   logic [GroupBits-1:0] wr_data_q;
 
   // The command, a clock old, and whether the other camera holds its slot. Without such a slot it asks for no camera.
-  logic [Cameras-1:0] ask_q, cancel_q, arm, held, same_q;
+  logic [Cameras-1:0] ask_q, cancel_q, ask, arm, held, free, same_q;
   logic [2:0] cmd_slot_q;
   logic cmd_valid_q, cmd_arms_q;
   always_ff @(posedge clk_i) begin
@@ -81,9 +81,13 @@ module slog_capture #(
   end
 
   always_comb begin
+    ask = ask_q;
     arm = ask_q & ~writing_o;
     for (int unsigned c = 0; c < Cameras; c++) begin
-      for (int unsigned o = 0; o < Cameras; o++) if (o != c && held[o] && same_q[c]) arm[c] = 1'b0;
+      for (int unsigned o = 0; o < Cameras; o++) begin
+        if (o != c && held[o] && same_q[c]) ask[c] = 1'b0;
+        if (o != c && !free[o] && same_q[c]) arm[c] = 1'b0;
+      end
     end
   end
 
@@ -98,6 +102,7 @@ module slog_capture #(
     ) u_channel (
         .clk_i,
         .rst_i,
+        .ask_i        (ask[c]),
         .arm_i        (arm[c]),
         .cancel_i     (cancel_q[c]),
         .slot_i       (cmd_slot_q),
@@ -118,6 +123,7 @@ module slog_capture #(
         .slot_mask_o  (slot_mask[c]),
         .armed_o      (armed_o[c]),
         .held_o       (held[c]),
+        .free_o       (free[c]),
         .writing_o    (writing_o[c]),
         .clear_o      (clear[c]),
         .set_o        (set[c]),

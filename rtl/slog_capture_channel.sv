@@ -18,7 +18,8 @@ module slog_capture_channel #(
 ) (
     input  logic                 clk_i,
     input  logic                 rst_i,
-    input  logic                 arm_i,           // take slot_i as the request; not while writing_o
+    input  logic                 ask_i,           // a command with a slot that may be taken
+    input  logic                 arm_i,           // take slot_i as the request: ask_i, not while writing_o
     input  logic                 cancel_i,
     input  logic [2:0]           slot_i,
     input  logic                 slot_busy_i,     // slot_mask_o's is being read
@@ -38,6 +39,7 @@ module slog_capture_channel #(
     output logic [7:0]           slot_mask_o,     // the same one-hot, a clock later
     output logic                 armed_o,         // a request waits or is being served, with this clock's command in it
     output logic                 held_o,          // ... without
+    output logic                 free_o,          // the contrary
     output logic                 writing_o,       // from frame start to finish
     output logic                 clear_o,         // slot_mask_o's valid bit is to be cleared
     output logic                 set_o,           // ... set
@@ -50,18 +52,20 @@ module slog_capture_channel #(
 
   logic wait_q, checking_q, writing_q, finishing_q;  // one at most; none: idle
   logic held_q;                                      // any of them
+  logic free_q;                                      // none
   logic serving_q;                                   // any but the first
   logic pass_q, give_q;                              // a check ends in this clock: the frame is written, or given up
   logic [2:0] slot_q, slot_q2, check_q;
   logic [7:0] slot_mask_q;
-  logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, pushed_q, start, back, push, ready;
+  logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, pushed_q, start, held, back, push, ready;
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   /* verilator lint_off UNUSEDSIGNAL */
   logic [LevelW-1:0] level;
   /* verilator lint_on UNUSEDSIGNAL */
 
   assign push        = word_valid_i && writing_q;
-  assign start       = wait_q && frame_start_i && !arm_i && !cancel_i;
+  assign start       = wait_q && frame_start_i && !ask_i && !cancel_i;
+  assign held        = !cancel_i && (arm_i || (held_q && !finish_q));
   assign judge       = check_q == 3'd1;
   assign back        = (checking_q && (give_q || frame_abort_i)) || (writing_q && frame_abort_i);
   assign restore     = judge && checking_q && slot_busy_i && was_valid_q && !frame_abort_i && !cancel_i;
@@ -74,6 +78,7 @@ module slog_capture_channel #(
   assign pushed_o    = pushed_q;
   assign armed_o     = !cancel_i && (arm_i || held_q);
   assign held_o      = held_q;
+  assign free_o      = free_q;
   assign writing_o   = serving_q;
 
   always_comb begin
@@ -86,6 +91,7 @@ module slog_capture_channel #(
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       held_q      <= 1'b0;
+      free_q      <= 1'b1;
       serving_q   <= 1'b0;
       wait_q      <= 1'b0;
       checking_q  <= 1'b0;
@@ -97,7 +103,8 @@ module slog_capture_channel #(
       set_q       <= 1'b0;
       finish_q    <= 1'b0;
     end else begin
-      held_q      <= !cancel_i && (arm_i || (held_q && !finish_q));
+      held_q      <= held;
+      free_q      <= !held;
       serving_q   <= start || (serving_q && !back && !finish_q && !cancel_i);
       wait_q      <= !cancel_i && (arm_i || back || (wait_q && !frame_start_i));
       checking_q  <= start || (checking_q && !back && !pass_q && !cancel_i);
@@ -149,8 +156,8 @@ module slog_capture_channel #(
 
   `SLOG_ASSERT(SlogCaptureRoom, push |-> ready)
   `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_valid_i)
-  `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i |-> !writing_o)
+  `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i == (ask_i && !writing_o))
   `SLOG_ASSERT(SlogCaptureStates, $onehot0({wait_q, checking_q, writing_q, finishing_q}))
   `SLOG_ASSERT(SlogCaptureServing, serving_q == (checking_q || writing_q || finishing_q) &&
-                                   held_q == (wait_q || serving_q))
+                                   held_q == (wait_q || serving_q) && free_q == !held_q)
 endmodule : slog_capture_channel

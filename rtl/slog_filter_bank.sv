@@ -42,15 +42,19 @@ module slog_filter_bank #(
   logic [Coefs-1:0] index_q;  // the coefficient that coef_q is for
   logic stage_g_q, stage_g2_q;
   logic [CoefBits-1:0] coef_q;
-  logic [Settle-2:0] quiet_q;  // [k]: no camera was active in the last k + 1 clocks of a commit
-  logic ready_q;               // nor in Settle clocks
+  logic calm, calm_q;          // a commit waits and no camera is active; was so in the clock before
+  logic [Settle-3:0] quiet_q;  // [k]: in k + 1 clocks before that
+  logic ready_q;               // in Settle clocks
   logic [9:0] width_q, height_q, new_width_q, new_height_q;
-  logic pending_q, busy_q, apply_q, size_good_q, size_error_q, size_changed_q;
+  logic pending_q, busy_q, apply_q, size_error_q, size_changed_q;
+  logic [1:0] within_q;      // the staged width, height may be taken
+  logic [1:0] differs_q;     // its width, its height is another than the active one
   logic [Coefs-1:0] follow_q;
   logic follow_on_q;  // follow_q is not 0, nor will it be in the next clock
   logic apply, size_new;
 
-  assign size_new = apply_q && (width_q != new_width_q || height_q != new_height_q);
+  assign size_new = apply_q && within_q == '1 && differs_q != '0;
+  assign calm = pending_q && active_i == '0;
   assign apply = ready_q && active_i == '0;
 
   always_ff @(posedge clk_i) begin
@@ -88,12 +92,14 @@ module slog_filter_bank #(
   always_ff @(posedge clk_i) begin
     new_width_q  <= width_i;
     new_height_q <= height_i;
-    size_good_q  <= width_i >= 10'(MinImage) && width_i <= 10'(MaxWidth) &&
-                    height_i >= 10'(MinImage) && height_i <= 10'(MaxHeight);
+    within_q  <= {height_i >= 10'(MinImage) && height_i <= 10'(MaxHeight),
+                  width_i >= 10'(MinImage) && width_i <= 10'(MaxWidth)};
+    differs_q <= {height_i != height_q, width_i != width_q};
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
+      calm_q         <= 1'b0;
       quiet_q        <= '0;
       ready_q        <= 1'b0;
       follow_q       <= '0;
@@ -107,15 +113,16 @@ module slog_filter_bank #(
       size_changed_q <= 1'b0;
     end else begin
       follow_q       <= {follow_q[Coefs-2:0], apply_q};
-      quiet_q        <= (pending_q && active_i == '0) ? {quiet_q[Settle-3:0], 1'b1} : '0;
-      ready_q        <= pending_q && active_i == '0 && quiet_q[Settle-2] && !ready_q;
+      calm_q         <= calm;
+      quiet_q        <= calm_q ? {quiet_q[Settle-4:0], 1'b1} : '0;
+      ready_q        <= calm && calm_q && quiet_q[Settle-3] && !ready_q;
       apply_q        <= apply;
       pending_q      <= commit_i || (pending_q && !apply);
       busy_q         <= commit_i || pending_q || apply_q || follow_on_q;
       follow_on_q    <= apply_q || follow_q[Coefs-3:0] != '0;
-      size_changed_q <= size_good_q && size_new;
-      if (apply_q) size_error_q <= !size_good_q;
-      if (apply_q && size_good_q) begin
+      size_changed_q <= size_new;
+      if (apply_q) size_error_q <= within_q != '1;
+      if (size_new) begin
         width_q  <= new_width_q;
         height_q <= new_height_q;
       end

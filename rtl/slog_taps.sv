@@ -1,11 +1,11 @@
-// Windows of the two horizontal filters: the 2 * Radius + 1 values around each of a line's, continued past its ends by its
-// first and last value. Two values per pixel, each with its own window.
+// Windows of the two horizontal filters: the 2 * Radius + 1 values around each of a line's, continued past its ends
+// by its first and last value. Two values per pixel, each with its own window.
 //
 // window[i] = value x - Radius + i of a line, or else its nearest; x: the pixel in the centre
 //
-// A window moves by one place a clock. As a line's first value comes into its centre, the window is loaded: older places
-// with that value, newer ones from a shift register of the line's next values. When the last value has come, its newest
-// place stays as it is.
+// A window moves by one place a clock. As a line's first value comes into its centre, the window is loaded: older
+// places with that value, newer ones from a shift register of the line's next values. When the last value has come,
+// its newest place stays as it is.
 //
 // Latency    : Radius + 1 clocks from valid_i to valid_o with that pixel in the centre.
 // Throughput : one pixel per clock. A line's pixels come in consecutive clocks, at least 2 * Radius + 2 of them;

@@ -83,10 +83,11 @@ module slog_video_in #(
 
   assign tready_o = !full_q && !(hold_i && !active_q);
   assign come     = tvalid_i && room_q;  // a beat, unless held back
-  assign beat     = come && !(hold_i && outside_q);
+  assign beat     = tvalid_i && !full_q && !(hold_i && outside_q);
   assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
   assign good_end = come && at_end_q && !tuser_i && tlast_i;
-  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q) : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
+  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q)
+                    : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
   assign wr_en    = come && (active_q || (tuser_i && !hold_i));
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
@@ -109,7 +110,7 @@ module slog_video_in #(
       if (beat) closed_q <= !tuser_i && tlast_i && at_end_q && last_row_q;
       event_commit_q <= good_end;
       event_kill_q   <= kill;
-      event_start_q  <= come && tuser_i && (active_q || !hold_i);
+      event_start_q  <= beat && tuser_i;
       drop_owed_q    <= (event_kill_q && event_start_q && event_last_q) || (drop && drop_owed_q);
       dropped_q      <= drop || drop_owed_q;
     end
@@ -156,16 +157,17 @@ module slog_video_in #(
   // ---- Ring: what each committed line is, the oldest first. "Current" is the frame whose start of frame came last.
   typedef struct packed {
     logic valid;
-    logic current; // and valid
-    logic dead;    // and valid
-    logic first;   // of its frame
+    logic current;  // and valid
+    logic dead;     // and valid
+    logic live;     // valid and not dead
+    logic first;    // of its frame
   } line_t;
   line_t [Lines-1:0] line_q, line_d;
   logic              head_current, head_dead;  // of the oldest, as it is in this clock
   logic              boundary_q;    // no line is read, or its last pixel is
+  logic              along_q;       // the contrary
   logic              reading_q;     // a line of the ring is read
-  logic [1:0]        used_q, used_d;  // lines in it or being read
-  logic              start_line, skip, full;
+  logic              start_line, skip, two, full;
 
   always_comb begin
     for (int unsigned n = 0; n < Lines; n++) begin
@@ -176,23 +178,27 @@ module slog_video_in #(
       line_d[n].valid   = kept.valid || (event_commit_q && ahead);
       line_d[n].current = kept.valid ? kept.current && !event_start_q : event_commit_q && ahead;
       line_d[n].dead    = kept.dead || (event_kill_q && kept.current);
+      line_d[n].live    = kept.valid ? kept.live && !(event_kill_q && kept.current) : event_commit_q && ahead;
       line_d[n].first   = kept.valid ? kept.first : first_row_q;
     end
+    // Two lines are in it, being read or coming in.
+    two          = reading_q && event_commit_q ? !line_q[0].valid
+                   : reading_q || event_commit_q ? line_q[0].valid && !line_q[1].valid
+                   : line_q[1].valid && !line_q[2].valid;
     head_current = line_q[0].current && !event_start_q;
     head_dead    = line_q[0].dead || (event_kill_q && line_q[0].current);
-    full         = !(reading_q && boundary_q) && !skip && (full_q || (good_end && used_q == (event_commit_q ? 2'd1 : 2'd2)));
-    used_d       = used_q + 2'(event_commit_q) - 2'(reading_q && boundary_q) - 2'(skip);
+    full         = !(reading_q && boundary_q) && !skip && (full_q || (good_end && two));
   end
 
   always_ff @(posedge clk_i) begin
     line_q <= line_d;
     if (rst_i) begin
-      used_q <= '0;
       full_q <= 1'b0;
       room_q <= 1'b1;
-      for (int unsigned n = 0; n < Lines; n++) {line_q[n].valid, line_q[n].current, line_q[n].dead} <= '0;
+      for (int unsigned n = 0; n < Lines; n++) begin
+        {line_q[n].valid, line_q[n].current, line_q[n].dead, line_q[n].live} <= '0;
+      end
     end else begin
-      used_q <= used_d;
       full_q <= full;
       room_q <= !full;
     end
@@ -217,7 +223,7 @@ module slog_video_in #(
   assign wait_on      = boundary_q && !line_q[0].valid &&
                         (!out_active_q || ended_q || mid_frame_q || active_q || (event_kill_q && out_current_q));
   assign boundary     = skip || wait_on || next_last_q;
-  assign start_line   = boundary_q && line_q[0].valid && !head_dead;
+  assign start_line   = boundary_q && line_q[0].live && !(event_kill_q && line_q[0].current);
   assign out_starts   = start_line && !line_q[0].first && row_is_out_q;
   assign rd_current   = started_q ? head_current_q : rd_current_q;
   assign out_active   = starts_q || out_active_q;
@@ -246,13 +252,14 @@ module slog_video_in #(
   end
 
   always_ff @(posedge clk_i) begin
-    rd_addr_q   <= boundary_q ? base(rd_line_q) : rd_addr_q + 1'b1;
-    rd_col_q    <= boundary_q ? '0 : rd_col_q + 1'b1;
+    rd_addr_q   <= along_q ? rd_addr_q + 1'b1 : base(rd_line_q);
+    rd_col_q    <= along_q ? rd_col_q + 1'b1 : '0;
     rd_first_q  <= boundary_q;
     next_last_q <= rd_col_q == col_third_q;
     if (rst_i) begin
       rd_line_q     <= '0;
       boundary_q    <= 1'b1;
+      along_q       <= 1'b0;
       reading_q     <= 1'b0;
       rd_active_q   <= 1'b0;
       rd_current_q  <= 1'b0;
@@ -263,6 +270,7 @@ module slog_video_in #(
     end else begin
       if (boundary_q && line_q[0].valid) rd_line_q <= next_line(rd_line_q);
       boundary_q    <= boundary;
+      along_q       <= !boundary;
       rd_active_q   <= !skip && !wait_on;
       reading_q     <= start_line || (reading_q && !boundary_q);
       mid_frame_q   <= mid_frame;
@@ -353,18 +361,20 @@ module slog_video_in #(
   assign px_done_o   = done_q2;
   assign px_abort_o  = abort_q2;
   assign accepted_o  = done_q;
-  assign busy_o      = active_q || event_commit_q || used_q != '0 || rd_active_q || out_active_q || under_way_q;
+  assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q || under_way_q;
 
   // Counters that follow a clock later need lines of some length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
   logic [2:0] used;
   assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q);
-  `SLOG_ASSERT(SlogVideoInRing, used == 3'(used_q) && full_q == (used + 3'(event_commit_q) == 3'(Lines)))
-  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q))
-  `SLOG_ASSERT(SlogVideoInHead, (line_q[0].current || line_q[0].dead) |-> line_q[0].valid)
+  `SLOG_ASSERT(SlogVideoInRing, full_q == (used + 3'(event_commit_q) == 3'(Lines)))
+  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
+  `SLOG_ASSERT(SlogVideoInHead, line_q[0].valid ? line_q[0].live == !line_q[0].dead
+                                                : !line_q[0].current && !line_q[0].dead && !line_q[0].live)
   `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
   `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
-  `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) && abort == (out_kill && !starts_q))
+  `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&
+                                 abort == (out_kill && !starts_q))
   `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q || valid_q2 || abort_q || abort_q2))
   `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
   `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
