@@ -8,11 +8,9 @@ from sim.runner import simulate
 from sim.toolchain import RTL
 
 BREAKS = {
-    "late pointer": ("after_head_q <= after(after_head_q)", "after_head_q <= after(after(after_head_q))",
-                     r"clock \d+: out_data_o is"),
-    "off by one": ("in_valid_i && after_tail_q == head_q", "in_valid_i && after(after_tail_q) == head_q",
-                   r"clock \d+: in_ready_o is"),
-    "lost word": ("some        = push ||", "some        = (push && !pop) ||", r"clock \d+: \w+ is"),
+    "late pointer": ("mem_q[head_q]", "mem_q[after(head_q)]", r"clock \d+: out_data_o is"),
+    "off by one": ("in_ready_o  = !held_q[Depth]", "in_ready_o  = !held_q[Depth-1]", r"clock \d+: in_ready_o is"),
+    "lost word": ("push        = in_valid_i &&", "push        = in_valid_i && !pop &&", r"clock \d+: \w+ is"),
 }
 
 

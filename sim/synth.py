@@ -37,9 +37,10 @@ AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
 PRIMITIVES = ("DP16KD", "MULT18X18D")
 BLOCKS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_grid", "slog_fetch", "slog_sequencer",
           "slog_operands", "slog_array", "slog_peak")
-KEPT = ("slog_store_slice", "slog_ring_slice", "slog_csr", "slog_axil")
-"""Kept apart like blocks: slices, whose registers are copies of one another on purpose and would be merged; and what
-has wide multiplexers, which are mapped for speed only where nothing beside them is slower."""
+KEPT = ("slog_store_slice", "slog_ring_slice", "slog_csr", "slog_axil", "slog_video_in", "slog_walker",
+        "slog_peak_scan")
+"""Kept apart like blocks: slices, whose registers are copies of one another on purpose and would be merged; and modules
+of much choice a clock, which are mapped for speed only where nothing beside them is slower."""
 COSTS = {
     "lut4": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 4},
     "ff": {"TRELLIS_FF": 1},
@@ -63,6 +64,7 @@ def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path)
     return "\n".join([
         " ".join(read),
         f"setattr -mod -set keep_hierarchy 1 {' '.join(kept)}",
+        "scratchpad -copy abc9.script.flow3 abc9.script",  # of the mapper's recipes the one with the shortest paths
         f"synth_ecp5 -top {top}",
         f"tee -q -o {_seen(folder / 'cells.json')} stat -json",
         "setattr -mod -unset keep_hierarchy *",
