@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.params import CONFIGS
+from sim.floorplan import constrain
 from sim.paths import load, ranking
 from sim.toolchain import ROOT, RTL, ecp5_sources
 
@@ -154,6 +155,9 @@ def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence
     """Run the whole flow and write `report.json` into `folder`; returns its content."""
     blocks = netlist(top, config, parameters, folder)
     whole = blocks.pop("whole")
+    if top == TOP:
+        print("floorplan: block RAMs and multipliers", flush=True)
+        constrain(folder / "netlist.json")
     routed, paths = {}, {}
     for seed in seeds:
         print(f"nextpnr: seed {seed}", end=" ", flush=True)
