@@ -31,7 +31,7 @@ DEVICE = "LFE5U-85F-6"
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGET_MHZ = 150
 PLACE_AND_ROUTE = ("--placer", "heap", "--placer-heap-timingweight", "30", "--router", "router2")
-"""With the floorplan this placer is nextpnr's quickest for `full`, and this weight shortens its slowest path; the default
+"""With the floorplan this placer is nextpnr's quickest for `full`; this weight shortens its slowest path; the default
 router has hung on its last wires."""
 EBR_LIMIT_MHZ = 212.0
 """Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
