@@ -4,7 +4,7 @@
 //
 // Latency    : a request leaves 3 clocks after the last channel of its access was accepted; bvalid and rvalid follow the
 //              register block's answer by 1 clock. What req_o asks for stays until then.
-// Throughput : an access every 5 clocks and the register block's latency, if its response is taken at once.
+// Throughput : an access every 4 clocks and the register block's latency, if its response is taken at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
 module slog_axil #(
