@@ -1,7 +1,7 @@
 """Ranks the paths of a synthesised netlist between registers by a delay model, minutes before placement could.
 
 Cells have the delays of speed grade 6. Of a wire only its fan-out is known, so `wire` is a guess that fits small
-blocks; on the whole board a path takes about a quarter more. It finds what to mend, it is no figure of the clock.
+blocks; on a full device distances add up to as much again. It finds what to mend, it is no figure of the clock.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@
     fmax_mhz    median over the seeds of the routed clock, but no more than the block RAM allows
     routed_mhz  routed clock of each seed
     lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
+Block RAMs and multipliers of the board get their sites from `sim.floorplan`.
 `--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced. `--paths NS` does not place and
 route: it prints the paths that an estimate (`sim.paths`) finds to be longer.
 """
