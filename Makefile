@@ -50,8 +50,8 @@ lint: $(VENV)/.installed ## Python, RTL and generated files, without running any
 	@$(PY) -m sim.lint
 
 .PHONY: synth
-synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns)
-	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS))
+synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same, placed)
+	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json

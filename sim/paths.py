@@ -1,7 +1,8 @@
-"""Ranks the paths of a synthesised netlist between registers by a delay model, minutes before placement could.
+"""Ranks the paths of a netlist between registers by a delay model: all of them, where nextpnr shows one.
 
-Cells have the delays of speed grade 6. Of a wire only its fan-out is known, so `wire` is a guess that fits small
-blocks; on a full device distances add up to as much again. It finds what to mend, it is no figure of the clock.
+Cells have the delays of speed grade 6. Before placement only a wire's fan-out is known: `wire` is a guess that fits
+small blocks, and finds too much logic. After it `distance` is nextpnr's own estimate, and finds wires that reach too
+far.
 """
 
 from __future__ import annotations
@@ -22,11 +23,23 @@ SETUP = {"TRELLIS_FF": 0.0, "MULT18X18D": 0.5}
 """Nanoseconds before the clock; 0.4 for block RAM and distributed RAM."""
 MUXES = "PFUMX", "L6MUX21"
 NUMBER = re.compile(r"\d+")
+TILE = re.compile(r"X(\d+)/Y(\d+)/")
+PACKED = ("", "$COMB0", "$CCU2_COMB0", "$DPRAM_COMB0", "$RAMW_SLICE")
+"""Endings that nextpnr gives a cell's name, or that of the first it makes of it."""
+
+Place = tuple[int, int]
+"""Column and row of a tile."""
 
 
 def wire(fan_out: int) -> float:
     """Nanoseconds of a wire with so many loads: a guess."""
     return 0.65 if fan_out < 2 else 0.75 + 0.22 * math.log2(fan_out)
+
+
+def distance(start: Place, end: Place) -> float:
+    """Nanoseconds of a wire between two tiles, as nextpnr estimates them."""
+    away = [abs(a - b) for a, b in zip(start, end, strict=True)]
+    return 0.08 * (6 + sum(max(d - 5, 0) + 2 * min(d, 5) for d in away))
 
 
 def through(kind: str, pin: str, out: str) -> float:
@@ -50,14 +63,16 @@ class Timing:
 
 @dataclass
 class Netlist:
-    """A flat netlist as Yosys writes it: `cells` and `netnames` of one module."""
+    """A flat netlist as Yosys writes it: `cells` and `netnames` of one module; `places` of cells, once placed."""
 
     cells: Mapping[str, Any]
     netnames: Mapping[str, Any]
+    places: Mapping[str, Place] = field(default_factory=dict)
     names: dict[int, str] = field(init=False, default_factory=dict)
     drivers: dict[int, tuple[str, str]] = field(init=False, default_factory=dict)
     loads: Counter[int] = field(init=False, default_factory=Counter)
     _latest: dict[int, tuple[float, int | None]] = field(init=False, default_factory=dict)
+    _tiles: dict[str, Place | None] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, net in self.netnames.items():
@@ -81,9 +96,24 @@ class Netlist:
                 if isinstance(bit, int):
                     yield pin, bit, cell["port_directions"][pin] == "output"
 
-    def _wire(self, bit: int, kind: str, pin: str) -> float:
-        inside = pin == "CIN" if kind == "CCU2C" else kind in MUXES and pin in ("ALUT", "BLUT", "D0", "D1")
-        return 0.0 if inside else wire(self.loads[bit])
+    def _wire(self, bit: int, kind: str, pin: str, name: str) -> float:
+        if pin == "CIN" if kind == "CCU2C" else kind in MUXES and pin in ("ALUT", "BLUT", "D0", "D1"):
+            return 0.0
+        start, end = self.place(self.drivers.get(bit, ("", ""))[0]), self.place(name)
+        if start is None or end is None:
+            return wire(self.loads[bit])
+        return 0.0 if pin == "DI" and start == end else distance(start, end)
+
+    def place(self, name: str) -> Place | None:
+        """Tile of a cell, if it is placed; a multiplexer between look-up tables lies with one of them."""
+        if name not in self._tiles:
+            tile = next((self.places[name + end] for end in PACKED if name + end in self.places), None)
+            if tile is None and self.places and name and self.cells[name]["type"] in MUXES:
+                pins = self.cells[name]["connections"]
+                inside = pins["ALUT" if "ALUT" in pins else "D0"][0]
+                tile = self.place(self.drivers.get(inside, ("", ""))[0])
+            self._tiles[name] = tile
+        return self._tiles[name]
 
     def arrival(self, bit: int) -> tuple[float, int | None]:
         """When a net settles, nanoseconds after the clock, and the net that decides it (None: a register, a port)."""
@@ -105,7 +135,7 @@ class Netlist:
             if waiting:
                 stack.extend(waiting)
                 continue
-            times = [(self._latest.get(b, (0.0, None))[0] + self._wire(b, kind, pin) + through(kind, pin, out), b)
+            times = [(self._latest.get(b, (0.0, None))[0] + self._wire(b, kind, pin, name) + through(kind, pin, out), b)
                      for pin, b in ins]
             self._latest[at] = max(times, default=(0.0, None))
             stack.pop()
@@ -133,7 +163,7 @@ class Netlist:
                 while before is not None:
                     nets.append(before)
                     before = self.arrival(before)[1]
-                time += self._wire(bit, kind, pin) + SETUP.get(kind, 0.4)
+                time += self._wire(bit, kind, pin, name) + SETUP.get(kind, 0.4)
                 found.append(Timing(time, tuple(nets[::-1]), name, pin))
         return sorted(found, key=lambda path: -path.time)
 
@@ -148,16 +178,33 @@ class Netlist:
         return f"{name}.{path.pin}"
 
     def hops(self, path: Timing) -> str:
-        """The cells along a path, each with its fan-out."""
-        kinds = (self.cells[self.drivers[bit][0]]["type"] if bit in self.drivers else "port" for bit in path.nets)
-        return " > ".join(f"{kind}({self.loads[bit]})" for kind, bit in zip(kinds, path.nets, strict=True))
+        """The cells along a path, each with its fan-out and, once placed, its tile; the tile of its end."""
+        hops = []
+        for bit in path.nets:
+            name = self.drivers.get(bit, ("", ""))[0]
+            kind = self.cells[name]["type"] if name else "port"
+            hops.append(f"{kind}({self.loads[bit]}){_at(self.place(name))}")
+        return " > ".join(hops) + _at(self.place(path.cell), " > ")
 
 
-def load(path: Path) -> Netlist:
-    """Read a netlist that `sim.synth` wrote."""
-    modules = json.loads(path.read_text())["modules"].values()
-    module = max(modules, key=lambda m: len(m["cells"]))
-    return Netlist(module["cells"], module["netnames"])
+def _at(place: Place | None, before: str = "") -> str:
+    return f"{before}@{place[0]},{place[1]}" if place else ""
+
+
+def _board(path: Path) -> Any:
+    """The largest module of a netlist file."""
+    return max(json.loads(path.read_text())["modules"].values(), key=lambda m: len(m["cells"]))
+
+
+def load(path: Path, placed: Path | None = None) -> Netlist:
+    """Read a netlist that `sim.synth` wrote, and the places that nextpnr gave its cells (its own `--write`)."""
+    places = {}
+    if placed is not None:
+        for name, cell in _board(placed)["cells"].items():
+            if tile := TILE.match(cell["attributes"].get("NEXTPNR_BEL", "")):
+                places[name] = int(tile[1]), int(tile[2])
+    module = _board(path)
+    return Netlist(module["cells"], module["netnames"], places)
 
 
 def ranking(netlist: Netlist, over: float) -> list[str]:

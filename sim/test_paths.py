@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from sim.paths import Netlist, ranking, wire
+from sim.paths import Netlist, distance, ranking, wire
 
 OUTS = "Q", "Z", "COUT", "S0", "DOA0"
 
@@ -47,3 +47,14 @@ def test_block_ram_is_slow_without_its_output_register(mode: str, leaves: float)
 
 def test_more_loads_are_a_longer_wire() -> None:
     assert wire(1) < wire(2) < wire(64) < 2.1
+
+
+def test_once_placed_a_wire_is_as_long_as_it_reaches() -> None:
+    netlist = _netlist(start=_cell("TRELLIS_FF", CLK=1, Q=2), one=_cell("LUT4", A=2, Z=3),
+                       two=_cell("LUT4", A=2, Z=4), mux=_cell("PFUMX", ALUT=3, BLUT=4, C0=2, Z=5),
+                       end=_cell("TRELLIS_FF", CLK=1, DI=5, Q=9))
+    netlist.places = {"start": (40, 20), "one$COMB0": (12, 21), "two$COMB0": (12, 21), "end": (12, 21)}
+    assert distance((40, 20), (12, 21)) == pytest.approx(0.08 * (6 + 23 + 10 + 2))
+    slowest = netlist.paths()[0]
+    assert slowest.time == pytest.approx(0.52 + distance((40, 20), (12, 21)) + 0.24 + 0.2)
+    assert netlist.hops(slowest) == "TRELLIS_FF(3)@40,20 > LUT4(1)@12,21 > PFUMX(1)@12,21 > @12,21"
