@@ -20,12 +20,12 @@ def lines(rng: random.Random, width: int, radius: int, count: int) -> Stimulus:
             yield {"rst_i": 1, "valid_i": 1, "px_i": 9, "col_i": 1}
         for _ in range(rng.choice((0, 0, 1, 5))):
             yield {"valid_i": 0, "px_i": rng.getrandbits(8), "col_i": rng.randrange(width), "dist_i": dist}
-    for _ in range(6):
+    for _ in range(8):
         yield {}
 
 
 @cocotb.test()
-@cocotb.parametrize(width=(3, 18, 48))
+@cocotb.parametrize(width=(4, 18, 48))
 async def every_clock(dut, width: int) -> None:
     p = params()
     rng = random.Random(cocotb.RANDOM_SEED)

@@ -36,5 +36,5 @@ async def every_clock(dut) -> None:
         nonlocal valid
         valid += out["valid_o"] or 0
 
-    await check_cycles(dut, TapsModel(radius, p["DataW"]), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
+    await check_cycles(dut, TapsModel(radius), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
     assert valid > 50 * (2 * radius + 2)

@@ -7,7 +7,9 @@ from sim.runner import simulate
 
 SIZE = {"MaxWidth": TINY.max_width, "Radius": TINY.radius}
 FIR = ["rtl/slog_mult.sv", "rtl/slog_fir.sv"]
-LOG = ["rtl/slog_ram.sv", *FIR, "rtl/slog_line_buffer.sv", "rtl/slog_taps.sv", "rtl/slog_log.sv"]
+LINES = ["rtl/slog_ram.sv", "rtl/slog_line_bank.sv", "rtl/slog_line_buffer.sv"]
+TAPS = ["rtl/slog_taps_slice.sv", "rtl/slog_taps_window.sv", "rtl/slog_taps.sv"]
+LOG = [*LINES, *FIR, *TAPS, "rtl/slog_log.sv"]
 
 
 def test_video_in() -> None:
@@ -15,12 +17,12 @@ def test_video_in() -> None:
 
 
 def test_line_buffer() -> None:
-    simulate("slog_line_buffer", ["rtl/slog_ram.sv", "rtl/slog_line_buffer.sv"], "cocotb_tests.tb_line_buffer", SIZE)
+    simulate("slog_line_buffer", LINES, "cocotb_tests.tb_line_buffer", SIZE)
 
 
 @pytest.mark.parametrize("shape", [
     {"Radius": 8, "DataW": 8, "Kernels": 2, "SumW": 24, "Bias": 64},
-    {"Radius": 8, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": -1},
+    {"Radius": 8, "DataW": 32, "Kernels": 1, "SumW": 36, "Bias": -1},
     {"Radius": 3, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": 5},
 ], ids=["column", "row", "small"])
 def test_fir(shape: dict[str, int]) -> None:
@@ -28,7 +30,7 @@ def test_fir(shape: dict[str, int]) -> None:
 
 
 def test_taps() -> None:
-    simulate("slog_taps", ["rtl/slog_taps.sv"], "cocotb_tests.tb_taps", {"Radius": TINY.radius, "DataW": 18})
+    simulate("slog_taps", TAPS, "cocotb_tests.tb_taps", {"Radius": TINY.radius, "DataW": 18})
 
 
 def test_log() -> None:

@@ -201,36 +201,38 @@ class VideoInModel:
 
 
 class PackerModel:
-    """Bits into words; the flags one clock behind the pixel they come with. Between words the data are anything."""
+    """Bits into words; the flags three clocks behind the pixel they come with. Between words the data are anything."""
 
     INPUTS = ("rst_i", "bit_valid_i", "bit_i", "bit_last_i", "bit_start_i", "bit_done_i", "bit_abort_i")
     OUTPUTS = ("word_valid_o", "word_data_o", "word_last_o", "frame_start_o", "frame_done_o", "frame_abort_o")
 
     def __init__(self, group_bits: int) -> None:
         self.group_bits = group_bits
+        self._reset()
+
+    def _reset(self) -> None:
         self.bits: list[int | None] = []
-        self.out: Bits = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
+        none: Bits = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
+        self.pipe = deque([none] * 3)
 
     def step(self, i: Mapping[str, int | None]) -> Bits:
         """Outputs of this clock, then the edge."""
-        out = dict(self.out)
         valid = i["bit_valid_i"]
-        word = 0
-        self.out["word_data_o"] = self.out["word_last_o"] = None
+        new: Bits = {"word_valid_o": 0, "word_data_o": None, "word_last_o": None, "frame_start_o": i["bit_start_i"],
+                     "frame_done_o": i["bit_done_i"], "frame_abort_o": i["bit_abort_i"]}
         if valid:
             self.bits.append(i["bit_i"])
             if i["bit_last_i"] or len(self.bits) == self.group_bits:
-                word = 1
                 known = [b for b in self.bits if b is not None]
-                self.out["word_data_o"] = (sum(b << n for n, b in enumerate(known))
-                                           if len(known) == len(self.bits) else None)
-                self.out["word_last_o"] = i["bit_last_i"]
+                new |= {"word_valid_o": 1, "word_last_o": i["bit_last_i"], "word_data_o":
+                        sum(b << n for n, b in enumerate(known)) if len(known) == len(self.bits) else None}
                 self.bits = []
-        if i["bit_abort_i"] or i["rst_i"]:
+        if i["bit_abort_i"]:
             self.bits = []
-        live = not i["rst_i"]
-        self.out |= {"word_valid_o": word & live, "frame_start_o": (i["bit_start_i"] or 0) & live,
-                     "frame_done_o": (i["bit_done_i"] or 0) & live, "frame_abort_o": (i["bit_abort_i"] or 0) & live}
+        self.pipe.append(new)
+        out = self.pipe.popleft()
+        if i["rst_i"]:
+            self._reset()
         return out
 
 
@@ -244,7 +246,8 @@ class FrontendModel:
         self.video = VideoInModel(radius)
         self.log = LogModel(max_width, radius)
         self.packer = PackerModel(group_bits)
-        self.busy = 0
+        self.video_busy: deque[int | None] = deque([0] * 2, 2)
+        self.log_busy: deque[int | None] = deque([0] * 3, 3)
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -253,7 +256,11 @@ class FrontendModel:
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})
-        busy, now = self.busy, video["busy_o"] or bit["busy_o"] or word["word_valid_o"] or word["frame_abort_o"]
-        self.busy = int(bool(now) and not i["rst_i"])
+        busy = int(any(self.video_busy) or any(self.log_busy))
+        self.video_busy.append(video["busy_o"])
+        self.log_busy.append(bit["busy_o"])
+        if i["rst_i"]:
+            self.video_busy.extend([0] * 2)
+            self.log_busy.extend([0] * 3)
         return {"tready_o": video["tready_o"], "busy_o": busy, **word,
                 "accepted_o": video["accepted_o"], "dropped_o": video["dropped_o"]}

@@ -38,11 +38,11 @@ def levels(radius: int) -> int:
 
 
 class LineBufferModel:
-    """A column of the last `2 * radius` lines per pixel, 5 clocks later; between columns it is anything."""
+    """A column of the last `2 * radius` lines per pixel, 7 clocks later; between columns it is anything."""
 
     INPUTS = ("rst_i", "valid_i", "px_i", "col_i", "bottom_i", "dist_i")
     OUTPUTS = ("window_o",)
-    LATENCY = 5
+    LATENCY = 7
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
@@ -55,7 +55,7 @@ class LineBufferModel:
         out = self.out
         done = self.pipe.pop()
         self.out = done[2] if done else dict.fromkeys(self.OUTPUTS)
-        written = self.pipe[1]
+        written = self.pipe[3]
         if written:
             self.lines[written[0]].append(written[1])
         self.pipe.appendleft(self._column(i) if i["valid_i"] else None)
@@ -79,7 +79,7 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (2 + levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (3 + levels(radius)))
         self.sum: int | None = None
 
     def step(self, i: dict[str, int]) -> Bits:
@@ -116,11 +116,14 @@ class _Tap:
 class TapsModel:
     """Windows of the horizontal filters, cut from what came where the line around the centre ends."""
 
+    FIELD = 32
+    """Bits a value takes in a window."""
+
     INPUTS = ("rst_i", "valid_i", "first_i", "last_i", "a_i", "b_i")
     OUTPUTS = ("valid_o", "a_window_o", "b_window_o")
 
-    def __init__(self, radius: int, data_bits: int) -> None:
-        self.radius, self.data_bits = radius, data_bits
+    def __init__(self, radius: int) -> None:
+        self.radius = radius
         self.taps: deque[_Tap] = deque([_Tap() for _ in range(2 * radius + 1)], 2 * radius + 1)  # the oldest first
 
     def step(self, i: dict[str, int]) -> Bits:
@@ -131,8 +134,8 @@ class TapsModel:
             oldest = next((k for k in range(r, -1, -1) if taps[k].first), 0)
             newest = next((k for k in range(r, 2 * r + 1) if taps[k].last), 2 * r)
             window = [taps[min(max(k, oldest), newest)] for k in range(2 * r + 1)]
-            out |= {"a_window_o": pack([t.a for t in window], self.data_bits),
-                    "b_window_o": pack([t.b for t in window], self.data_bits)}
+            out |= {"a_window_o": pack([t.a for t in window], self.FIELD),
+                    "b_window_o": pack([t.b for t in window], self.FIELD)}
         v = i["valid_i"]
         taps.append(_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]))
         if i["rst_i"]:
@@ -156,13 +159,14 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 13 + radius + 2 * levels(radius)
+        self.latency = 17 + radius + 2 * levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])
         self.rows: deque[tuple[_Row, int] | None] = deque([None] * (self.latency - 1))
         self.last: deque[int | None] = deque([None] * self.latency)
         self.bit: int | None = None
+        self.busy = 0
         self.kernels: tuple[Coefs, Coefs] = ((), ())
         self.coef_words = (-1, -1)
 
@@ -170,13 +174,11 @@ class LogModel:
         """Outputs of this clock, then the edge."""
         r = self.radius
         due, last = self.pipe.pop(), self.last.pop()
-        flags = [p for p in (*self.pipe, due) if p]
-        reach = 8 + levels(r)  # an output line is noticed as such up to the horizontal window
         out: Bits = {
             "bit_valid_o": due.get("live", 0), "bit_o": self.bit, "bit_last_o": last,
             "bit_start_o": due.get("start", 0), "bit_done_o": due.get("done", 0), "bit_abort_o": due.get("abort", 0),
-            "busy_o": int(any(p["live"] or p["abort"] for p in flags) or
-                          any(p["out"] for p in [*self.pipe, due][:reach] if p))}
+            "busy_o": self.busy}
+        self.busy = int(any(p["out"] or p["live"] or p["abort"] for p in (*self.pipe, due) if p))
         if (i["g_i"], i["g2_i"]) != self.coef_words:
             self.coef_words = (i["g_i"], i["g2_i"])
             self.kernels = (tuple(unpack(i["g_i"], 18, r + 1)), tuple(unpack(i["g2_i"], 18, r + 1)))
@@ -191,6 +193,7 @@ class LogModel:
             "done": i["px_done_i"], "abort": i["px_abort_i"]})
         if i["rst_i"]:
             self.pipe = deque([{} for _ in range(self.latency)])
+            self.busy = 0
         return out
 
     def _take(self, i: dict[str, int]) -> tuple[_Row, int] | None:

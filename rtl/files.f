@@ -39,8 +39,11 @@ slog_peak_collect.sv
 slog_peak.sv
 slog_grid.sv
 slog_video_in.sv
+slog_line_bank.sv
 slog_line_buffer.sv
 slog_fir.sv
+slog_taps_slice.sv
+slog_taps_window.sv
 slog_taps.sv
 slog_log.sv
 slog_packer.sv

@@ -3,12 +3,12 @@
 // fold[0] = w[R],  fold[d] = w[R - d] + w[R + d]   (w = window_i, R = Radius)
 // sum_o[k] = Bias + sum over d = 0..R of coef_i[k][d] * fold[d]
 //
-// Stages     : 1..3 fold and multiply    then clog2(Radius + 2) levels of adders
-// Latency    : 3 + clog2(Radius + 2) clocks from valid_i, with the window, to sum_o.
+// Stages     : 1 fold    2..4 multiply    then clog2(Radius + 2) levels of adders
+// Latency    : 4 + clog2(Radius + 2) clocks from valid_i, with the window, to sum_o.
 // Throughput : one window per clock. sum_o holds until the next valid window's sum.
-// Formats    : window DataW <= 18 bits, two's complement if 18, else unsigned; fold modulo 2**18; coefficients 18-bit
-//              signed, constant from the clock before a valid window as long as anything is under way; sums modulo
-//              2**SumW, SumW <= 36.
+// Formats    : window in fields of DataW bits, two's complement in the lower 18 of them, or if less unsigned; fold modulo
+//              2**18; coefficients 18-bit signed, constant from a valid window's clock as long as anything is under
+//              way; sums modulo 2**SumW, SumW <= 36.
 `include "slog_assert.svh"
 module slog_fir #(
     parameter  int unsigned Radius  = 8,
@@ -18,7 +18,7 @@ module slog_fir #(
     parameter  int          Bias    = 0,
     localparam int unsigned Taps    = 2 * Radius + 1,
     localparam int unsigned Levels  = $clog2(Radius + 2),
-    localparam int unsigned Latency = 3 + Levels
+    localparam int unsigned Latency = 4 + Levels
 ) (
     input  logic                               clk_i,
     input  logic                               rst_i,
@@ -36,17 +36,19 @@ module slog_fir #(
 
   logic [Latency-2:0] valid_q;  // [k]: stage k + 1 holds something
   logic               mult;     // the multipliers or their operands hold something
-  assign mult = valid_i || valid_q[1:0] != '0;
+  assign mult = valid_q[2:0] != '0;
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[Latency-3:0], valid_i};
   end
 
-  logic [17:0] fold[Radius+1];
+  // The multipliers lie far apart: what goes there comes from registers. In machine words, which simulate fast.
+  logic [Radius:0][31:0] fold, fold_q;
   always_comb begin
-    fold[0] = 18'(window_i[Radius]);
-    for (int unsigned d = 1; d <= Radius; d++) fold[d] = 18'(window_i[Radius-d]) + 18'(window_i[Radius+d]);
+    fold[0] = 32'(18'(window_i[Radius]));
+    for (int unsigned d = 1; d <= Radius; d++) fold[d] = 32'(18'(window_i[Radius-d]) + 18'(window_i[Radius+d]));
   end
+  always_ff @(posedge clk_i) fold_q <= fold;
 
   for (genvar k = 0; k < Kernels; k++) begin : g_kernel
     for (genvar d = 0; d <= Radius; d++) begin : g_tap
@@ -56,7 +58,7 @@ module slog_fir #(
       slog_mult u_mult (
           .clk_i,
           .en_i(mult),
-          .a_i (fold[d]),
+          .a_i (fold_q[d][17:0]),
           .b_i (coef_i[k][d]),
           .p_o (product)
       );
@@ -81,7 +83,7 @@ module slog_fir #(
           end
         end
         if (l == Levels - 1) begin : g_out
-          always_ff @(posedge clk_i) if (valid_q[l+2]) sum_q <= sum;
+          always_ff @(posedge clk_i) if (valid_q[l+3]) sum_q <= sum;
         end else begin : g_register
           always_ff @(posedge clk_i) sum_q <= sum;
         end
@@ -91,5 +93,5 @@ module slog_fir #(
   end
 
   `SLOG_ASSERT(SlogFirCoefficientsStatic, mult |-> $stable(coef_i))
-  `SLOG_ASSERT_INIT(SlogFirWidths, DataW <= 18 && SumW <= 36)
+  `SLOG_ASSERT_INIT(SlogFirWidths, SumW <= 36)
 endmodule : slog_fir

@@ -3,8 +3,9 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
 // past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : line buffer 5, vertical FIR 3 + L, window Radius + 1, horizontal FIR 3 + L, sum 1; L = clog2(Radius + 2)
-// Latency    : 13 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 39 at radius 16, 29 at radius 8.
+// Stages     : line buffer 7, vertical FIR 4 + L, window Radius + 1, horizontal FIR 4 + L, sum 1; L = clog2(Radius + 2)
+// Latency    : 17 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 43 at radius 16, 33 at radius 8.
+//              busy_o shows a pixel or an abort from 2 clocks after it comes to 1 after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
 module slog_log #(
@@ -13,7 +14,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 13 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 17 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -39,16 +40,17 @@ module slog_log #(
     output logic                  bit_abort_o,
     output logic                  busy_o
 );
-  localparam int unsigned FirLatency = 3 + Levels;
-  localparam int unsigned ToVertical = 5;
+  localparam int unsigned FirLatency = 4 + Levels;
+  localparam int unsigned ToVertical = 7;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap
   localparam int unsigned SumH       = 36;
 
   // What goes along with the pixels. [k]: k + 1 clocks after px_*.
-  logic [ToTaps-1:0]  out_q, first_q;
-  logic [Latency-1:0] last_q, live_q, start_q, done_q, abort_q;
+  logic [ToTaps-1:0]  first_q;
+  logic [Latency-1:0] out_q, last_q, live_q, start_q, done_q, abort_q;
   logic               out_some_q, live_some_q, abort_some_q;  // out_q, live_q, abort_q are not 0
+  logic               busy_q;
 
   always_ff @(posedge clk_i) begin
     first_q <= {first_q[ToTaps-2:0], px_first_i};
@@ -62,15 +64,17 @@ module slog_log #(
       out_some_q   <= 1'b0;
       live_some_q  <= 1'b0;
       abort_some_q <= 1'b0;
+      busy_q       <= 1'b0;
     end else begin
-      out_q        <= {out_q[ToTaps-2:0], px_valid_i && px_out_i};
+      out_q        <= {out_q[Latency-2:0], px_valid_i && px_out_i};
       live_q       <= {live_q[Latency-2:0], px_live_i};
       start_q      <= {start_q[Latency-2:0], px_start_i};
       done_q       <= {done_q[Latency-2:0], px_done_i};
       abort_q      <= {abort_q[Latency-2:0], px_abort_i};
-      out_some_q   <= out_q[ToTaps-2:0] != '0 || (px_valid_i && px_out_i);
+      out_some_q   <= out_q[Latency-2:0] != '0 || (px_valid_i && px_out_i);
       live_some_q  <= live_q[Latency-2:0] != '0 || px_live_i;
       abort_some_q <= abort_q[Latency-2:0] != '0 || px_abort_i;
+      busy_q       <= out_some_q || live_some_q || abort_some_q;
     end
   end
 
@@ -109,7 +113,7 @@ module slog_log #(
   assign curved   = {vertical[1][23], vertical[1][7+:17]};
 
   logic                    row_valid;
-  logic [2*Radius:0][17:0] smoothed_row, curved_row;
+  logic [2*Radius:0][31:0] smoothed_row, curved_row;
   slog_taps #(
       .Radius(Radius),
       .DataW (18)
@@ -130,7 +134,7 @@ module slog_log #(
   logic [SumH-1:0] term_a, term_b;
   slog_fir #(
       .Radius (Radius),
-      .DataW  (18),
+      .DataW  (32),
       .Kernels(1),
       .SumW   (SumH),
       .Bias   (-1)
@@ -144,7 +148,7 @@ module slog_log #(
   );
   slog_fir #(
       .Radius (Radius),
-      .DataW  (18),
+      .DataW  (32),
       .Kernels(1),
       .SumW   (SumH),
       .Bias   (0)
@@ -170,5 +174,5 @@ module slog_log #(
   assign bit_start_o = start_q[Latency-1];
   assign bit_done_o  = done_q[Latency-1];
   assign bit_abort_o = abort_q[Latency-1];
-  assign busy_o      = out_some_q || live_some_q || abort_some_q;
+  assign busy_o      = busy_q;
 endmodule : slog_log

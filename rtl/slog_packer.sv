@@ -3,7 +3,8 @@
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
 // word_last_o count only with word_valid_o.
 //
-// Latency    : 1 clock from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 1 clock behind
+// Stages     : 1 pixel    2 word so far    3 word out
+// Latency    : 3 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 3 clocks behind
 //              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; the sink takes every word.
 `include "slog_assert.svh"
@@ -25,44 +26,54 @@ module slog_packer #(
     output logic                 frame_done_o,
     output logic                 frame_abort_o
 );
-  logic [GroupBits-1:0] word_q;   // the word so far
-  logic [GroupBits-1:0] place_q;  // one-hot: where the next pixel goes; not used for a word's first
-  logic                 fresh_q;  // the next pixel is a word's first
-  logic                 valid_q, last_q, start_q, done_q, abort_q;
+  logic                 bit_q, valid_q, last_q;  // bit_q: and valid
+  logic [GroupBits-1:0] place_q;                 // one-hot: where the pixel goes; not used for a word's first
+  logic                 fresh_q;                 // the pixel is a word's first
+  logic [GroupBits-1:0] word_q2, word_q3;
+  logic                 valid_q2, valid_q3, last_q2, last_q3;
+  logic [2:0]           start_q, done_q, abort_q;
   logic                 full;
 
-  assign full = bit_last_i || (place_q[GroupBits-1] && !fresh_q);
+  assign full = last_q || (place_q[GroupBits-1] && !fresh_q);
 
   always_ff @(posedge clk_i) begin
-    last_q <= bit_last_i;
+    bit_q   <= bit_valid_i && bit_i;
+    last_q  <= bit_last_i;
+    last_q2 <= last_q;
+    last_q3 <= last_q2;
     if (fresh_q) begin
-      word_q  <= GroupBits'(bit_i);
+      word_q2 <= GroupBits'(bit_q);
       place_q <= GroupBits'(2);
-    end else if (bit_valid_i) begin
-      place_q <= place_q << 1;
-      for (int unsigned b = 0; b < GroupBits; b++) if (place_q[b]) word_q[b] <= bit_i;
-    end
-    if (rst_i) begin
-      fresh_q <= 1'b1;
-      valid_q <= 1'b0;
-      start_q <= 1'b0;
-      done_q  <= 1'b0;
-      abort_q <= 1'b0;
     end else begin
-      fresh_q <= bit_abort_i || (bit_valid_i ? full : fresh_q);
-      valid_q <= bit_valid_i && full;
-      start_q <= bit_start_i;
-      done_q  <= bit_done_i;
-      abort_q <= bit_abort_i;
+      word_q2 <= word_q2 | (bit_q ? place_q : '0);
+      if (valid_q) place_q <= place_q << 1;
+    end
+    word_q3 <= word_q2;
+    if (rst_i) begin
+      fresh_q  <= 1'b1;
+      valid_q  <= 1'b0;
+      valid_q2 <= 1'b0;
+      valid_q3 <= 1'b0;
+      start_q  <= '0;
+      done_q   <= '0;
+      abort_q  <= '0;
+    end else begin
+      fresh_q  <= abort_q[0] || (valid_q ? full : fresh_q);
+      valid_q  <= bit_valid_i;
+      valid_q2 <= valid_q && full;
+      valid_q3 <= valid_q2;
+      start_q  <= {start_q[1:0], bit_start_i};
+      done_q   <= {done_q[1:0], bit_done_i};
+      abort_q  <= {abort_q[1:0], bit_abort_i};
     end
   end
 
-  assign word_valid_o  = valid_q;
-  assign word_data_o   = word_q;
-  assign word_last_o   = last_q;
-  assign frame_start_o = start_q;
-  assign frame_done_o  = done_q;
-  assign frame_abort_o = abort_q;
+  assign word_valid_o  = valid_q3;
+  assign word_data_o   = word_q3;
+  assign word_last_o   = last_q3;
+  assign frame_start_o = start_q[2];
+  assign frame_done_o  = done_q[2];
+  assign frame_abort_o = abort_q[2];
 
   `SLOG_ASSERT(SlogPackerAbortAlone, !(bit_abort_i && bit_valid_i))
 endmodule : slog_packer

@@ -1,0 +1,47 @@
+// A few places of one window of slog_taps, on both sides of its centre, with registers of their own for what loads them.
+//
+//   newer_o[k]   place centre + Begin + k            older_o[k]   place centre - Begin - 1 - k
+//
+// Begin = Places * the slice's number. In most clocks a value moves on by one place: from the newer slice's newer_o[0]
+// through these and, behind the centre, from the slice before's oldest on. Entering, the newer places take the line's next
+// values from next_o, where these come along, and the older ones its first value, caught as that came along.
+//
+// Latency    : enter_i to the loaded places 3 clocks.
+// Throughput : one value per clock.
+// Formats    : opaque values of DataW bits, in fields of 32 bits: machine words, which simulate fast.
+module slog_taps_slice #(
+    parameter int unsigned Places = 4,
+    parameter int unsigned DataW  = 18
+) (
+    input  logic                    clk_i,
+    input  logic                    enter_i,
+    input  logic                    first_i,  // next_o[Places-1] is a line's first value
+    input  logic [DataW-1:0]        next_i,
+    input  logic [DataW-1:0]        newer_i,
+    input  logic [DataW-1:0]        older_i,
+    output logic [DataW-1:0]        next_o,   // next_i of Places clocks before
+    output logic [Places-1:0][31:0] newer_o,
+    output logic [Places-1:0][31:0] older_o
+);
+  logic enter_q, enter_q2;
+  logic [Places-1:0][31:0] next_q, newer_q, older_q;
+  logic [31:0] first_q;
+
+  always_ff @(posedge clk_i) begin
+    enter_q  <= enter_i;
+    enter_q2 <= enter_q;
+    next_q   <= {32'(next_i), next_q[Places-1:1]};
+    if (first_i) first_q <= next_q[Places-1];
+    if (enter_q2) begin
+      newer_q <= next_q;
+      older_q <= {Places{first_q}};
+    end else begin
+      newer_q <= {32'(newer_i), newer_q[Places-1:1]};
+      older_q <= {older_q[Places-2:0], 32'(older_i)};
+    end
+  end
+
+  assign next_o  = next_q[0][DataW-1:0];
+  assign newer_o = newer_q;
+  assign older_o = older_q;
+endmodule : slog_taps_slice
