@@ -154,7 +154,7 @@ def burst(p: dict[str, int]) -> Stimulus:
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """Word to store write takes two clocks; the slot is valid three clocks after frame_done_i."""
+    """Word to store write takes five clocks; the slot is valid five clocks after frame_done_i."""
     p = params()
     model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
     words, writes, marks = [], [], {}
@@ -172,6 +172,6 @@ async def latency(dut) -> None:
             marks.setdefault("valid", t)
 
     await check_cycles(dut, model, burst(p), watch)
-    assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [2] * p["SlotWords"]
+    assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [5] * p["SlotWords"]
     assert [(a, d) for _, a, d in writes] == [(p["SlotWords"] + k, k) for k in range(p["SlotWords"])]
-    assert marks["valid"] - marks["done"] == 3
+    assert marks["valid"] - marks["done"] == 5

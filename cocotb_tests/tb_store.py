@@ -56,7 +56,7 @@ async def every_clock(dut, reads: str, peeks: str) -> None:
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """Read to data 4 clocks; peek to done 5 when nothing else is read, the wait for a free clock on top."""
+    """Read to data 6 clocks; peek to done 7 when nothing else is read, the wait for a free clock on top."""
     p = params()
     seen: list[tuple[int, str, int | None]] = []
     quiet = {"rst_i": 0, "wr_valid_i": 0, "rd_valid_i": 0, "peek_valid_i": 0}

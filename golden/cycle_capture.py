@@ -15,7 +15,10 @@ class ChannelModel:
     def __init__(self, slot_words: int, words_per_row: int) -> None:
         self.slot_words, self.words_per_row = slot_words, words_per_row
         self.state, self.slot, self.check, self.was_valid, self.row, self.addr = IDLE, 0, 0, 0, 0, 0
-        self.busy = 0
+        self.busy: deque[int] = deque([0] * 3)  # of the three clocks before
+        self.came: tuple[int | None, int, int, int, int] = (None, 0, 0, 0, 0)  # what came in the clock before
+        self.push: tuple[int, int] | None = None  # goes into the queue
+        self.left = False  # finishing, and the last word is on its way to the store
         self.clears = self.restores = self.finishes = False  # what the slot's valid bit hears in this clock
         self.fifo: deque[tuple[int, int]] = deque()
 
@@ -32,24 +35,28 @@ class ChannelModel:
     def edge(self, *, rst: int, arm: bool, cancel: bool, slot: int, busy: int, valid: int, word: int | None, last: int,
              start: int, done: int, abort: int, pop: bool) -> None:
         """Take the clock edge."""
+        came = (None, 0, 0, 0, 0) if rst else (word, last, start, done, abort)
+        (word, last, start, done, abort), self.came = self.came, came
+        self.busy.appendleft(busy)
+        busy_before, busy = self.busy.pop(), self.busy[2]
         starts = self.state == ARMED and bool(start) and not arm and not cancel and not rst
         restores = (self.state == CHECK and self.check == 1 and bool(busy) and bool(self.was_valid) and not abort
                     and not cancel and not rst)
         if self.clears:
             self.was_valid = valid
         finished = self.finishes
-        finishes = self.state == FINISH and not self.fifo and not finished and not cancel and not rst
+        finishes = self.state == FINISH and self.left and not finished and not cancel and not rst
+        self.left = self.state == FINISH and self.push is None and not self.fifo and not rst
         self.clears, self.restores, self.finishes = starts, restores, finishes
-        busy_before, self.busy = self.busy, busy
-        push = word is not None and self.state == WRITE
-        entry = (self.addr, word or 0)
+        arrived = self.push
+        self.push = (self.addr, word) if word is not None and self.state == WRITE and not rst else None
         state, checked = self.state, self.check == 0
         if state == ARMED:
             self.check = CHECK_CLOCKS - 1
             self.row = self.addr = self.slot * self.slot_words
         else:
             self.check = max(self.check - 1, 0)
-            if push:
+            if self.push:
                 if last:
                     self.row += self.words_per_row
                     self.addr = self.row
@@ -77,8 +84,8 @@ class ChannelModel:
         else:
             if pop:
                 self.fifo.popleft()
-            if push:
-                self.fifo.append(entry)
+            if arrived:
+                self.fifo.append(arrived)
 
 
 class CaptureModel:
@@ -93,6 +100,7 @@ class CaptureModel:
         self.channels = [ChannelModel(slot_words, words_per_row) for _ in range(cameras)]
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
+        self.chosen: tuple[int, int] | None = None  # the store's next
         self.command: tuple[bool, int, int] | None = None  # of the clock before: cancel, camera, slot
 
     def outputs(self) -> dict[str, int | None]:
@@ -147,10 +155,10 @@ class CaptureModel:
         if i["cmd_valid_i"] and not i["rst_i"]:
             self.command = bool(i["cmd_cancel_i"]), i["cmd_camera_i"], i["cmd_slot_i"]
         if i["rst_i"]:
-            self.slot_valid, self.refused, self.done, self.write = 0, 0, 0, None
+            self.slot_valid, self.refused, self.done, self.write, self.chosen = 0, 0, 0, None, None
         else:
             self.slot_valid = 0 if i["clear_i"] else valid
             self.refused = refused
             self.done = int(any_done)
-            self.write = write
+            self.write, self.chosen = self.chosen, write
         return out

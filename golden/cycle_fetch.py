@@ -52,6 +52,8 @@ class FetchModel:
         self.job = 0
         self.ticket: int | None = None
         self.rd_addr: int | None = None
+        self.data = 0  # rd_data_i of the clock before
+        self.slot_valid = 0  # slot_valid_i of the clock before
         self.sides: list[Read] = []  # by number: a side word of the align model
         self._reset()
 
@@ -62,7 +64,7 @@ class FetchModel:
         self.banks_used = 0
         self.bank = 1
         self.reads: deque[Read] = deque()
-        self.flight: list[int | None] = [None] * (STORE_LATENCY + 1)
+        self.flight: list[int | None] = [None] * (STORE_LATENCY + 2)
         self.pause = 0  # clocks before the next rectangle's first read
         self.ring, self.full = 0, False
         self.limits = deque([self.config.ring_rows] * 2)  # of the next clock, of the one after it
@@ -75,11 +77,13 @@ class FetchModel:
         arriving = self.flight[-1]
         aligned = self.align.step({
             "rst_i": i["rst_i"], "in_valid_i": int(arriving is not None),
-            "in_emit_i": int(arriving is not None and self.sides[arriving].emit), "in_data_i": i["rd_data_i"],
+            "in_emit_i": int(arriving is not None and self.sides[arriving].emit), "in_data_i": self.data,
             "in_shift_i": 0 if arriving is None else self.sides[arriving].shift, "in_side_i": arriving or 0})
         side = None if aligned["out_side_o"] is None else self.sides[aligned["out_side_o"]]
-        checked = self.check.step({**{k: i[k] for k in ("rst_i", "image_width_i", "image_height_i", "slot_valid_i")},
-                                   "start_i": int(self.state == "start"), "job_i": self.job})
+        self.data = i["rd_data_i"]
+        checked = self.check.step({**{k: i[k] for k in ("rst_i", "image_width_i", "image_height_i")},
+                                   "slot_valid_i": self.slot_valid, "start_i": int(self.state == "start"), "job_i": self.job})
+        self.slot_valid = i["slot_valid_i"]
         state = self.state
         out: dict[str, int | None] = {
             "job_ready_o": int(self.state == "idle"), "slot_busy_o": self.busy_slots,

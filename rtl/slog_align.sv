@@ -43,11 +43,9 @@ module slog_align #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (in_valid_i && in_emit_i) begin
-      low_q      <= in_data_i;
-      shift_q[0] <= PadW'(in_shift_i);
-      side_q[0]  <= in_side_i;
-    end
+    low_q      <= in_data_i;
+    shift_q[0] <= PadW'(in_shift_i);
+    side_q[0]  <= in_side_i;
     for (int unsigned s = 1; s < Latency; s++) if (valid_q[s-1]) side_q[s] <= side_q[s-1];
     for (int unsigned s = 1; s < Stages; s++) if (valid_q[s-1]) shift_q[s] <= shift_q[s-1];
   end
@@ -68,9 +66,7 @@ module slog_align #(
       /* verilator lint_off UNUSEDSIGNAL */
       logic [2*Width-1:0] low, high;
       /* verilator lint_on UNUSEDSIGNAL */
-      always_ff @(posedge clk_i) begin
-        if (in_valid_i && in_emit_i) opposite_q <= ~2'(PadW'(in_shift_i) >> Low);
-      end
+      always_ff @(posedge clk_i) opposite_q <= ~2'(PadW'(in_shift_i) >> Low);
       assign low    = wide >> (PadW'(shift_q[s][Low+:2]) << Low);
       assign high   = wide >> (PadW'(~opposite_q) << Low);
       assign narrow = {high[2*Width-1:Keep/2], low[Keep/2-1:0]} & ({(2 * Width) {1'b1}} >> (2 * Width - Keep));

@@ -4,8 +4,8 @@
 // slot the other camera holds, or a camera that is writing. An armed request that has not begun may be replaced.
 // A cancelled frame, an aborted frame and clear_i leave their slots invalid.
 //
-// Latency    : word to store write 2 clocks, more when both cameras bring words at once (camera 0 goes first); the slot
-//              is valid 3 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and
+// Latency    : word to store write 5 clocks, more when both cameras bring words at once (camera 0 goes first); the slot
+//              is valid 5 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and
 //              refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
@@ -41,13 +41,14 @@ module slog_capture #(
     output logic                              done_o           // pulse: a slot became valid
 );
   logic [Cameras-1:0] clear, set, finish, out_valid, out_ready;
-  /* verilator lint_off UNUSEDSIGNAL */
-  logic [Cameras-1:0] pushed;
-  /* verilator lint_on UNUSEDSIGNAL */
   logic [Cameras-1:0][2:0] slot;
   logic [Cameras-1:0][7:0] slot_mask;
   logic [Cameras-1:0][AddrW-1:0] out_addr;
   logic [Cameras-1:0][GroupBits-1:0] out_data;
+  // The words at the fronts of the queues a clock ago, and whether there were any; camera 0's waits for nothing.
+  logic any_q, first_q;
+  logic [Cameras-1:0][AddrW-1:0] out_addr_q;
+  logic [Cameras-1:0][GroupBits-1:0] out_data_q;
   logic [7:0] slot_valid_d, slot_valid_q;
   logic refused, refused_q, done_q;
   logic wr_valid_q;
@@ -58,7 +59,9 @@ module slog_capture #(
   logic [Cameras-1:0] ask_q, cancel_q, ask, arm, held, free, same_q;
   logic [2:0] cmd_slot_q;
   logic cmd_valid_q, cmd_arms_q;
+  logic [7:0] slot_busy_q;
   always_ff @(posedge clk_i) begin
+    slot_busy_q <= slot_busy_i;
     cmd_slot_q <= cmd_slot_i;
     cmd_arms_q <= !cmd_cancel_i;
     for (int unsigned c = 0; c < Cameras; c++) begin
@@ -106,7 +109,7 @@ module slog_capture #(
         .arm_i        (arm[c]),
         .cancel_i     (cancel_q[c]),
         .slot_i       (cmd_slot_q),
-        .slot_busy_i  ((slot_busy_i & slot_mask[c]) != '0),
+        .slot_busy_i  ((slot_busy_q & slot_mask[c]) != '0),
         .slot_valid_i ((slot_valid_q & slot_mask[c]) != '0),
         .word_valid_i (word_valid_i[c]),
         .word_data_i  (word_data_i[c]),
@@ -114,7 +117,6 @@ module slog_capture #(
         .frame_start_i(frame_start_i[c]),
         .frame_done_i (frame_done_i[c]),
         .frame_abort_i(frame_abort_i[c]),
-        .pushed_o     (pushed[c]),
         .wr_valid_o   (out_valid[c]),
         .wr_ready_i   (out_ready[c]),
         .wr_addr_o    (out_addr[c]),
@@ -152,23 +154,23 @@ module slog_capture #(
       slot_valid_q <= '0;
       refused_q    <= 1'b0;
       done_q       <= 1'b0;
+      any_q        <= 1'b0;
       wr_valid_q   <= 1'b0;
     end else begin
       slot_valid_q <= slot_valid_d;
       refused_q    <= refused;
-      done_q     <= finish != '0;
-      wr_valid_q <= out_valid != '0;
+      done_q       <= finish != '0;
+      any_q        <= out_valid != '0;
+      wr_valid_q   <= any_q;
     end
   end
 
-  // Camera 0's words wait for nothing.
   always_ff @(posedge clk_i) begin
-    wr_addr_q <= out_addr[Cameras-1];
-    wr_data_q <= out_data[Cameras-1];
-    if (pushed[0]) begin
-      wr_addr_q <= out_addr[0];
-      wr_data_q <= out_data[0];
-    end
+    first_q    <= out_valid[0];
+    out_addr_q <= out_addr;
+    out_data_q <= out_data;
+    wr_addr_q  <= first_q ? out_addr_q[0] : out_addr_q[Cameras-1];
+    wr_data_q  <= first_q ? out_data_q[0] : out_data_q[Cameras-1];
   end
 
   assign wr_valid_o   = wr_valid_q;
@@ -180,5 +182,4 @@ module slog_capture #(
 
   `SLOG_ASSERT_INIT(SlogCaptureSlots, Slots <= 8)
   `SLOG_ASSERT_INIT(SlogCaptureCameras, Cameras <= 2)
-  `SLOG_ASSERT(SlogCaptureFirst, pushed[0] == out_valid[0])
 endmodule : slog_capture

@@ -2,11 +2,16 @@
 //
 // armed      : after the next frame_start_i the slot's valid bit is cleared (clear_o).
 // check      : CheckClocks later the slot must not be in use by the correlator any more; else this frame is given up (set_o
-//              puts the valid bit back) and the request waits for the next one.
+//              puts the valid bit back) and the request waits for the next one. slot_busy_i may come a clock late.
 // write      : words go to consecutive addresses, each row at a multiple of WordsPerRow; frame_abort_i goes back to armed.
 // finish     : after frame_done_i, when the last word is on its way to the store, set_o sets the valid bit (finish_o).
 //
-// Latency    : a word leaves in the clock after it came when the store is free.
+//   stage  registers
+//   1      what comes from the front end, and whether the correlator reads the slot
+//   2      push_q, with the word and its address: it goes into the queue
+//   3      the queue: wr_*_o
+// Latency    : word_valid_i to wr_valid_o 3 clocks when the queue is empty; frame_done_i to set_o 4 clocks when nothing
+//              waits for the store, else 3 after the last word has left the queue.
 // Throughput : a word per clock in, as fast out as the store takes it; FifoDepth covers two cameras' narrow row ends.
 `include "slog_assert.svh"
 module slog_capture_channel #(
@@ -30,7 +35,6 @@ module slog_capture_channel #(
     input  logic                 frame_start_i,
     input  logic                 frame_done_i,
     input  logic                 frame_abort_i,
-    output logic                 pushed_o,        // a word came in the clock before
     output logic                 wr_valid_o,
     input  logic                 wr_ready_i,
     output logic [AddrW-1:0]     wr_addr_o,
@@ -47,7 +51,8 @@ module slog_capture_channel #(
 );
   localparam int unsigned FifoDepth = 4;
   localparam int unsigned LevelW = $clog2(FifoDepth + 1);
-  // The slot shows as invalid from the second; what the correlator reads is looked at in the last but one.
+  // The slot shows as invalid from the second; what the correlator reads is looked at in the last but one. Between them a
+  // job that still saw the slot valid, a clock late, has marked it, and the mark has come here, two clocks late.
   localparam logic [2:0] CheckClocks = 3'd5;
 
   logic wait_q, checking_q, writing_q, finishing_q;  // one at most; none: idle
@@ -57,25 +62,28 @@ module slog_capture_channel #(
   logic pass_q, give_q;                              // a check ends in this clock: the frame is written, or given up
   logic [2:0] slot_q, slot_q2, check_q;
   logic [7:0] slot_mask_q;
-  logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, pushed_q, start, held, back, push, ready;
+  logic word_q, last_q, frame_start_q, frame_done_q, frame_abort_q, slot_busy_q;
+  logic came_q, last_q2, push_q;                     // word_q a clock later; ... and it is written
+  logic [GroupBits-1:0] data_q, data_q2;
+  logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, start, held, back;
+  logic left_q;                                      // finishing, and the last word is on its way to the store
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   /* verilator lint_off UNUSEDSIGNAL */
   logic [LevelW-1:0] level;
+  logic ready;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  assign push        = word_valid_i && writing_q;
-  assign start       = wait_q && frame_start_i && !ask_i && !cancel_i;
+  assign start       = wait_q && frame_start_q && !ask_i && !cancel_i;
   assign held        = !cancel_i && (arm_i || (held_q && !finish_q));
   assign judge       = check_q == 3'd1;
-  assign back        = (checking_q && (give_q || frame_abort_i)) || (writing_q && frame_abort_i);
-  assign restore     = judge && checking_q && slot_busy_i && was_valid_q && !frame_abort_i && !cancel_i;
-  assign finish      = finishing_q && !wr_valid_o && !finish_q && !cancel_i;
+  assign back        = (checking_q && (give_q || frame_abort_q)) || (writing_q && frame_abort_q);
+  assign restore     = judge && checking_q && slot_busy_q && was_valid_q && !frame_abort_q && !cancel_i;
+  assign finish      = finishing_q && left_q && !finish_q && !cancel_i;
   assign clear_o     = clear_q;
   assign set_o       = set_q;
   assign finish_o    = finish_q;
   assign slot_o      = slot_q;
   assign slot_mask_o = slot_mask_q;
-  assign pushed_o    = pushed_q;
   assign armed_o     = !cancel_i && (arm_i || held_q);
   assign held_o      = held_q;
   assign free_o      = free_q;
@@ -101,25 +109,44 @@ module slog_capture_channel #(
       pass_q      <= 1'b0;
       give_q      <= 1'b0;
       set_q       <= 1'b0;
+      left_q      <= 1'b0;
       finish_q    <= 1'b0;
+      word_q      <= 1'b0;
+      came_q      <= 1'b0;
+      push_q      <= 1'b0;
+      frame_start_q <= 1'b0;
+      frame_done_q  <= 1'b0;
+      frame_abort_q <= 1'b0;
     end else begin
+      word_q        <= word_valid_i;
+      frame_start_q <= frame_start_i;
+      frame_done_q  <= frame_done_i;
+      frame_abort_q <= frame_abort_i;
+      came_q        <= word_q;
+      push_q        <= word_q && writing_q;
       held_q      <= held;
       free_q      <= !held;
       serving_q   <= start || (serving_q && !back && !finish_q && !cancel_i);
-      wait_q      <= !cancel_i && (arm_i || back || (wait_q && !frame_start_i));
+      wait_q      <= !cancel_i && (arm_i || back || (wait_q && !frame_start_q));
       checking_q  <= start || (checking_q && !back && !pass_q && !cancel_i);
-      writing_q   <= !frame_abort_i && !cancel_i && ((checking_q && pass_q) || (writing_q && !frame_done_i));
-      finishing_q <= !cancel_i && ((writing_q && !frame_abort_i && frame_done_i) || (finishing_q && !finish_q));
+      writing_q   <= !frame_abort_q && !cancel_i && ((checking_q && pass_q) || (writing_q && !frame_done_q));
+      finishing_q <= !cancel_i && ((writing_q && !frame_abort_q && frame_done_q) || (finishing_q && !finish_q));
       clear_q     <= start;
-      pass_q      <= judge && !slot_busy_i;
-      give_q      <= judge && slot_busy_i;
+      pass_q      <= judge && !slot_busy_q;
+      give_q      <= judge && slot_busy_q;
       set_q       <= restore || finish;
+      left_q      <= finishing_q && !push_q && !wr_valid_o;
       finish_q    <= finish;
     end
   end
 
   // A frame's words come many clocks after its slot's base is known.
   always_ff @(posedge clk_i) begin
+    slot_busy_q <= slot_busy_i;
+    last_q      <= word_last_i;
+    last_q2     <= last_q;
+    data_q      <= word_data_i;
+    data_q2     <= data_q;
     if (arm_i) slot_q <= slot_i;
     slot_q2     <= slot_q;
     slot_mask_q <= 8'd1 << slot_q;
@@ -129,33 +156,33 @@ module slog_capture_channel #(
     if (wait_q) check_q <= CheckClocks - 3'd1;
     else if (check_q != '0) check_q <= check_q - 1'b1;
     load_q <= !writing_q;
-    pushed_q <= push && ready;
     if (load_q) begin
       addr_q     <= base_q;
       next_row_q <= base_row_q;
-    end else if (word_valid_i) begin
-      addr_q <= word_last_i ? next_row_q : addr_q + 1'b1;
-      if (word_last_i) next_row_q <= next_row_q + AddrW'(WordsPerRow);
+    end else if (came_q) begin
+      addr_q <= last_q2 ? next_row_q : addr_q + 1'b1;
+      if (last_q2) next_row_q <= next_row_q + AddrW'(WordsPerRow);
     end
   end
 
   slog_fifo #(
       .Width(AddrW + GroupBits),
-      .Depth(FifoDepth)
+      .Depth(FifoDepth),
+      .Kept (1'b1)
   ) u_fifo (
       .clk_i,
       .rst_i,
-      .in_valid_i (push),
+      .in_valid_i (push_q),
       .in_ready_o (ready),
-      .in_data_i  ({addr_q, word_data_i}),
+      .in_data_i  ({addr_q, data_q2}),
       .out_valid_o(wr_valid_o),
       .out_ready_i(wr_ready_i),
       .out_data_o ({wr_addr_o, wr_data_o}),
       .level_o    (level)
   );
 
-  `SLOG_ASSERT(SlogCaptureRoom, push |-> ready)
-  `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_valid_i)
+  `SLOG_ASSERT(SlogCaptureRoom, push_q |-> ready)
+  `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_q)
   `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i == (ask_i && !writing_o))
   `SLOG_ASSERT(SlogCaptureStates, $onehot0({wait_q, checking_q, writing_q, finishing_q}))
   `SLOG_ASSERT(SlogCaptureServing, serving_q == (checking_q || writing_q || finishing_q) &&

@@ -6,14 +6,15 @@
 //
 //   clock  registers (read of a store word)
 //   0      rd_valid_o, rd_addr_o
-//   4      rd_data_i (slog_store_pkg::StoreLatency)
+//   S      rd_data_i (S = slog_store_pkg::StoreLatency)
+//   +1     data_q
 //   +A     wr_*_o, aligned (A = latency of slog_align: 4 at 64 bits)
 //   +1     rows_written_o, tpl_done_o
 // Latency    : job to ticket 14 clocks when a template bank is free, first read 2 clocks after.
 // Throughput : one store read a clock, without gaps in a row or between rows; a job takes 20 clocks plus its reads.
 // Rules      : a row is loaded when the ring has room for it; the ring is filled to its last row.
 //              slot_busy_o marks the slots of the present job from the second clock after it is taken, which is when the
-//              check looks at slot_valid_i, until after its last read.
+//              check looks at slot_valid_i of the clock before, until after its last read.
 `include "slog_assert.svh"
 module slog_fetch
   import slog_pkg::*, slog_fetch_pkg::*, slog_store_pkg::*;
@@ -78,6 +79,8 @@ module slog_fetch
 
   // Check and plan.
   logic checked;
+  logic [7:0] slot_valid_q;
+  always_ff @(posedge clk_i) slot_valid_q <= slot_valid_i;
   status_e status;
   logic [ScoreW-1:0] area;
   // The address is as wide as the largest store's.
@@ -95,7 +98,7 @@ module slog_fetch
       .job_i   (job_q),
       .image_width_i,
       .image_height_i,
-      .slot_valid_i,
+      .slot_valid_i(slot_valid_q),
       .done_o  (checked),
       .status_o(status),
       .area_o  (area)
@@ -115,7 +118,7 @@ module slog_fetch
 
   // Template banks: given out in turn, come back in turn.
   logic [1:0] banks_used_q;
-  logic bank_q, wide_q, ticket_valid_q, refused_q, accept, refuse;
+  logic bank_q, broad_q, wide_q, ticket_valid_q, refused_q, accept, refuse;
   logic accept_q, refuse_q;          // issue_q, and the job is accepted, refused
   ticket_t ticket_q;
   assign accept = wait_q && !ticket_valid_q && !refused_q && !banks_used_q[1];
@@ -210,9 +213,10 @@ module slog_fetch
   always_ff @(posedge clk_i) begin
     if (!held_q) job_q <= job_i;
     refused_q <= status != StatusOk;
+    broad_q   <= job_q.width > 8'(Width);
     if (issue_q) begin
       ticket_q <= '{job: job_q, status: status, bank: !bank_q, row: 9'(ring_q), area: area};
-      wide_q   <= job_q.width > 8'(Width);
+      wide_q   <= broad_q;
     end
   end
 
@@ -261,14 +265,16 @@ module slog_fetch
   end
 
   // What goes along with a word from the store read to the operand write.
-  logic [StoreLatency:0] read_q;
-  side_t side_q[StoreLatency+1];
+  logic [StoreLatency+1:0] read_q;
+  side_t side_q[StoreLatency+2];
   logic [AddrW-1:0] rd_addr_q;
+  logic [Width-1:0] data_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) read_q <= '0;
-    else read_q <= {read_q[StoreLatency-1:0], go_q};
+    else read_q <= {read_q[StoreLatency:0], go_q};
   end
   always_ff @(posedge clk_i) begin
+    data_q    <= rd_data_i;
     rd_addr_q <= line_q + AddrW'(word_q);
     side_q[0] <= '{
         shift: shift_q,
@@ -281,7 +287,7 @@ module slog_fetch
         row: tpl_q ? tpl_row_q : 8'(ring_q[RowW-2:0]),
         word: word_q
     };
-    for (int unsigned s = 1; s <= StoreLatency; s++) if (read_q[s-1]) side_q[s] <= side_q[s-1];
+    for (int unsigned s = 1; s <= StoreLatency + 1; s++) if (read_q[s-1]) side_q[s] <= side_q[s-1];
   end
 
   // The shift has done its work by the end.
@@ -294,11 +300,11 @@ module slog_fetch
   ) u_align (
       .clk_i,
       .rst_i,
-      .in_valid_i (read_q[StoreLatency]),
-      .in_emit_i  (side_q[StoreLatency].emit),
-      .in_data_i  (rd_data_i),
-      .in_shift_i (side_q[StoreLatency].shift),
-      .in_side_i  (side_q[StoreLatency]),
+      .in_valid_i (read_q[StoreLatency+1]),
+      .in_emit_i  (side_q[StoreLatency+1].emit),
+      .in_data_i  (data_q),
+      .in_shift_i (side_q[StoreLatency+1].shift),
+      .in_side_i  (side_q[StoreLatency+1]),
       .out_valid_o(wr_valid_o),
       .out_data_o (wr_data_o),
       .out_side_o (wr_side)

@@ -2,9 +2,10 @@
 //
 //   stage  registers
 //   1      address and write data
-//   2, 3   block RAM and its output register (slog_ram)
-//   4      bank multiplexer
-// Latency    : rd_en_i to data_o 4 clocks, which stays until the next read's.
+//   2      the same for each bank by itself
+//   3, 4   block RAM and its output register (slog_ram)
+//   5      bank multiplexer
+// Latency    : rd_en_i to data_o 5 clocks, which stays until the next read's.
 // Throughput : one read and one write per clock.
 // Rule       : a word must not be read in the clock in which it is written.
 module slog_store_slice #(
@@ -24,41 +25,52 @@ module slog_store_slice #(
 );
   logic [AddrW-1:0] rd_addr_q, wr_addr_q;
   logic [Width-1:0] wr_data_q, data_q;
-  logic [Banks-1:0] wr_en_q, rd_en_q, rd_en_q2, rd_en_q3;
+  logic [Banks-1:0] wr_en_q, wr_en_q2, rd_en_q, rd_en_q2, rd_en_q3, rd_en_q4;
   logic [Banks-1:0][Width-1:0] bank_data;
   logic [Width-1:0] chosen;
 
   always_ff @(posedge clk_i) begin
     wr_en_q   <= wr_en_i;
+    wr_en_q2  <= wr_en_q;
     wr_addr_q <= wr_addr_i;
     wr_data_q <= wr_data_i;
     rd_en_q   <= rd_en_i;
     rd_addr_q <= rd_addr_i;
     rd_en_q2  <= rd_en_q;
     rd_en_q3  <= rd_en_q2;
-    if (rd_en_q3 != '0) data_q <= chosen;
+    rd_en_q4  <= rd_en_q3;
+    if (rd_en_q4 != '0) data_q <= chosen;
   end
 
   for (genvar b = 0; b < Banks; b++) begin : g_bank
     localparam int unsigned Depth = (b == Banks - 1) ? Words - b * BankWords : BankWords;
     localparam int unsigned DepthW = $clog2(Depth);
+    logic [DepthW-1:0] rd_addr_q2, wr_addr_q2;
+    logic [Width-1:0] wr_data_q2;
+    always_ff @(posedge clk_i) begin
+      if (rd_en_q[b]) rd_addr_q2 <= rd_addr_q[DepthW-1:0];
+      if (wr_en_q[b]) begin
+        wr_addr_q2 <= wr_addr_q[DepthW-1:0];
+        wr_data_q2 <= wr_data_q;
+      end
+    end
     slog_ram #(
         .Width(Width),
         .Depth(Depth)
     ) u_ram (
         .clk_i,
-        .wr_en_i  (wr_en_q[b]),
-        .wr_addr_i(wr_addr_q[DepthW-1:0]),
-        .wr_data_i(wr_data_q),
-        .rd_en_i  (rd_en_q[b]),
-        .rd_addr_i(rd_addr_q[DepthW-1:0]),
+        .wr_en_i  (wr_en_q2[b]),
+        .wr_addr_i(wr_addr_q2),
+        .wr_data_i(wr_data_q2),
+        .rd_en_i  (rd_en_q2[b]),
+        .rd_addr_i(rd_addr_q2),
         .rd_data_o(bank_data[b])
     );
   end
 
   always_comb begin
     chosen = '0;
-    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q3[b]) chosen = bank_data[b];
+    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q4[b]) chosen = bank_data[b];
   end
   assign data_o = data_q;
 endmodule : slog_store_slice
