@@ -8,7 +8,7 @@ from golden.cycle_csr import CsrModel, FieldPlace
 from golden.params import COEF_BITS, COEF_FRACTION, Config
 from golden.structs import JOB, RESULT
 
-SETTLE = 8
+SETTLE = 9
 STORED = {
     "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
     "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
@@ -23,54 +23,76 @@ EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
 
 
 class FilterBankModel:
-    """`slog_filter_bank`: coefficients as lists, centre first."""
+    """`slog_filter_bank`: coefficients as lists, centre first; the active ones are undefined until shifted in."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
+        self.active: dict[int, list[int | None]] = {kernel: [None] * config.coefs for kernel in (0, 1)}
         self.reset()
 
     def reset(self) -> None:
-        """State after reset."""
+        """State after reset: zeros are being shifted in."""
         zeros = [0] * self.config.coefs
         self.staged = {0: list(zeros), 1: list(zeros)}
-        self.active = {0: list(zeros), 1: list(zeros)}
         self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
+        self.camera = False  # one was active in the clock before
         self.coming: tuple[int, int, int] | None = None  # coefficient to be staged: kernel, index, value
         self.taking: tuple[int, int] | None = None  # size to be put in use
-        self.follow: list[bool] = [False] * self.config.coefs  # [k]: coefficient k becomes active now
+        self.load: int | None = 1  # clocks since the shifting was ordered
+        self.clearing = True
+        self.next = {0: 0, 1: 0}  # what the first coefficients take
         self.size = (self.config.max_width, self.config.max_height)
 
     @property
     def busy(self) -> int:
-        """A commit waits, or its coefficients follow."""
-        return int(self.pending or self.taking is not None or any(self.follow))
+        """A commit waits, or coefficients are shifted in."""
+        return int(self.pending or self.taking is not None or self.load is not None)
 
-    def coefs(self, second: int) -> int:
+    def coefs(self, second: int) -> int | None:
         """The packed active coefficients."""
-        return sum(v << COEF_BITS * k for k, v in enumerate(self.active[second]))
+        values = [v for v in self.active[second] if v is not None]
+        whole = len(values) == self.config.coefs
+        return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
+
+    def _shift(self) -> None:
+        """Shift p reaches coefficient k in clock 3 + 2 * p + coefs - 1 - k of the loading; the last one ends it."""
+        if self.load is None:
+            return
+        count = self.config.coefs
+        shifted = [count + 2 + 2 * p - self.load for p in range(count)]
+        for kernel, values in self.active.items():
+            before = [self.next[kernel], *values[:-1]]
+            for k in shifted:
+                if 0 <= k < count:
+                    values[k] = before[k]
+        done = sum(k < 0 for k in shifted)  # shifts that are through
+        place = count - 1 - done
+        self.next = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
+        self.load += 1
+        if self.load == 3 * count + 1:
+            self.load, self.clearing = None, False
 
     def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
              active: int) -> None:
         """Take the clock edge."""
         c = self.config
-        taking = self.taking is not None
-        apply = bool(self.pending and self.settle == SETTLE and not active and not taking)
+        calm = bool(self.pending and not self.camera and self.taking is None and self.load is None)
+        apply = calm and self.settle == SETTLE
         self.changed = 0
+        self._shift()
         if self.taking is not None:
             good = c.min_image <= self.taking[0] <= c.max_width and c.min_image <= self.taking[1] <= c.max_height
             self.error = int(not good)
             if good:
                 self.changed, self.size = int(self.taking != self.size), self.taking
+            self.load = 1
         self.taking = size if apply else None
-        for k, now in enumerate(self.follow):
-            for kernel in (0, 1) if now else ():
-                self.active[kernel][k] = self.staged[kernel][k]
-        self.follow = [taking, *self.follow[:-1]]
         if self.coming is not None:
             self.staged[self.coming[0]][self.coming[1]] = self.coming[2]
         self.coming = (second, index, value) if coef and index < c.coefs else None
-        self.settle = 0 if not self.pending or active else min(self.settle + 1, SETTLE)
+        self.settle = min(self.settle + 1, SETTLE) if calm else 0
         self.pending = int(commit or (self.pending and not apply))
+        self.camera = bool(active)
 
 
 class PeekModel:
