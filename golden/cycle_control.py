@@ -232,8 +232,8 @@ class ControlModel:
         lost = self.happened[OVERFLOW]
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
         self.peek_wait = not self.peek.have or bool(v["peek_address.go"])
-        begun = self.csr.begun
-        if begun is not None and not begun.is_write:  # otherwise nobody reads in the next clock
+        found = self.csr.found
+        if found is not None and not found.is_write:  # otherwise nobody reads in the next clock
             self.shown = self.status(i, result)
         if i["rst_i"]:
             self.csr.edge(i, shown, events, wait)

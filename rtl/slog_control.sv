@@ -1,7 +1,7 @@
 // Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
 // registers' commands turned into the blocks' own terms.
 //
-// Latency    : a command reaches the blocks 5 clocks after its AXI4-Lite write is complete; what is read is one clock old,
+// Latency    : a command reaches the blocks 6 clocks after its AXI4-Lite write is complete; what is read is one clock old,
 //              counts two; irq_o follows a result by 1 clock, captures and drops by 3, a lost submit by 4.
 `include "slog_assert.svh"
 module slog_control
@@ -336,5 +336,6 @@ module slog_control
 
   // One access at a time: none is ever stalled, and PeekData is where the map has it.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, req && !req_is_wr |=> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
+  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 2) && !$past(rst_i)
+                                       |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control
