@@ -102,6 +102,7 @@ async def status_fields(dut) -> None:
         getattr(dut, name).value = value
     nodes = rdl_fields()
     await RisingEdge(dut.clk_i)
+    model.seen = driven["result_valid_i"]
     want = model.status(driven, driven["result_i"])
     checked = 0
     for path, status in want.items():
