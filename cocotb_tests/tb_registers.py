@@ -102,6 +102,7 @@ async def status_fields(dut) -> None:
         getattr(dut, name).value = value
     nodes = rdl_fields()
     await RisingEdge(dut.clk_i)
+    model.seen = driven["result_valid_i"]
     want = model.status(driven, driven["result_i"])
     checked = 0
     for path, status in want.items():
@@ -204,7 +205,7 @@ async def filter_and_peek(dut) -> None:
     assert await bus.read_dword(address("filter")) == word("filter", busy=1, active=1)
     assert int(dut.g_o.value) == 0 and int(dut.hold_o.value) == 1
     dut.active_i.value = 0
-    settled = 16 + config.coefs  # clocks: the coefficients follow one by one
+    settled = 16 + 3 * config.coefs  # clocks: the coefficients are shifted in
     for _ in range(settled):
         await RisingEdge(dut.clk_i)
     for port, second in ((dut.g_o, 0), (dut.g2_o, 1)):

@@ -8,7 +8,7 @@ from golden.cycle_csr import CsrModel, FieldPlace
 from golden.params import COEF_BITS, COEF_FRACTION, Config
 from golden.structs import JOB, RESULT
 
-SETTLE = 8
+SETTLE = 9
 STORED = {
     "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
     "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
@@ -23,54 +23,78 @@ EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
 
 
 class FilterBankModel:
-    """`slog_filter_bank`: coefficients as lists, centre first."""
+    """`slog_filter_bank`: coefficients as lists, centre first; the active ones are undefined until shifted in."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
+        self.active: dict[int, list[int | None]] = {kernel: [None] * config.coefs for kernel in (0, 1)}
+        self.load: int | None = None  # clocks since the shifting was ordered
         self.reset()
 
     def reset(self) -> None:
-        """State after reset."""
+        """State after reset: zeros are being shifted in; a shift in the clock of the reset still takes place."""
+        self._shift()
         zeros = [0] * self.config.coefs
         self.staged = {0: list(zeros), 1: list(zeros)}
-        self.active = {0: list(zeros), 1: list(zeros)}
         self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
+        self.camera = False  # one was active in the clock before
         self.coming: tuple[int, int, int] | None = None  # coefficient to be staged: kernel, index, value
         self.taking: tuple[int, int] | None = None  # size to be put in use
-        self.follow: list[bool] = [False] * self.config.coefs  # [k]: coefficient k becomes active now
+        self.load = 1
+        self.clearing = True
+        self.next = {0: 0, 1: 0}  # what the first coefficients take
         self.size = (self.config.max_width, self.config.max_height)
 
     @property
     def busy(self) -> int:
-        """A commit waits, or its coefficients follow."""
-        return int(self.pending or self.taking is not None or any(self.follow))
+        """A commit waits, or coefficients are shifted in."""
+        return int(self.pending or self.taking is not None or self.load is not None)
 
-    def coefs(self, second: int) -> int:
+    def coefs(self, second: int) -> int | None:
         """The packed active coefficients."""
-        return sum(v << COEF_BITS * k for k, v in enumerate(self.active[second]))
+        values = [v for v in self.active[second] if v is not None]
+        whole = len(values) == self.config.coefs
+        return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
+
+    def _shift(self) -> None:
+        """Shift p reaches coefficient k in clock 3 + 2 * p + coefs - 1 - k of the loading; the last one ends it."""
+        if self.load is None:
+            return
+        count = self.config.coefs
+        shifted = [count + 2 + 2 * p - self.load for p in range(count)]
+        for kernel, values in self.active.items():
+            before = [self.next[kernel], *values[:-1]]
+            for k in shifted:
+                if 0 <= k < count:
+                    values[k] = before[k]
+        done = sum(k < 0 for k in shifted)  # shifts that are through
+        place = count - 1 - done
+        self.next = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
+        self.load += 1
+        if self.load == 3 * count + 1:
+            self.load, self.clearing = None, False
 
     def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
              active: int) -> None:
         """Take the clock edge."""
         c = self.config
-        taking = self.taking is not None
-        apply = bool(self.pending and self.settle == SETTLE and not active and not taking)
+        calm = bool(self.pending and not self.camera and self.taking is None and self.load is None)
+        apply = calm and self.settle == SETTLE
         self.changed = 0
+        self._shift()
         if self.taking is not None:
             good = c.min_image <= self.taking[0] <= c.max_width and c.min_image <= self.taking[1] <= c.max_height
             self.error = int(not good)
             if good:
                 self.changed, self.size = int(self.taking != self.size), self.taking
+            self.load = 1
         self.taking = size if apply else None
-        for k, now in enumerate(self.follow):
-            for kernel in (0, 1) if now else ():
-                self.active[kernel][k] = self.staged[kernel][k]
-        self.follow = [taking, *self.follow[:-1]]
         if self.coming is not None:
             self.staged[self.coming[0]][self.coming[1]] = self.coming[2]
         self.coming = (second, index, value) if coef and index < c.coefs else None
-        self.settle = 0 if not self.pending or active else min(self.settle + 1, SETTLE)
+        self.settle = min(self.settle + 1, SETTLE) if calm else 0
         self.pending = int(commit or (self.pending and not apply))
+        self.camera = bool(active)
 
 
 class PeekModel:
@@ -83,40 +107,39 @@ class PeekModel:
     def reset(self) -> None:
         """State after reset."""
         self.started = self.onward = self.new = self.want = self.flight = self.drop = False
+        self.valid = self.outside = self.done = False
         self.have = True
         self.word: int | None = 0
+        self.coming: int | None = None  # what the store showed in the clock before
         self.chunk, self.address = 0, 0
-
-    @property
-    def valid(self) -> bool:
-        """A word is asked for."""
-        return self.want and self.address < self.store_words and not self.flight
 
     @property
     def data(self) -> int | None:
         """What the next read gets; None if undefined."""
-        return None if self.word is None else self.word & 0xFFFFFFFF
+        return None if self.word is None else self.word >> 32 * self.chunk & 0xFFFFFFFF
 
     def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:
         """Take the clock edge."""
         taken = self.valid and bool(ready)
-        outside = self.want and self.address >= self.store_words and not self.flight
+        ask = self.want and not self.flight and not self.valid
+        inside = self.address < self.store_words
         onward, self.onward = self.onward, take and self.started and self.chunk == self.chunks - 1
-        self.want = self.new or (self.want and not taken and not outside)
+        self.want = self.new or (self.want and not ask)
         self.new = bool(go) or onward
-        if outside:
+        if self.outside:
             self.have, self.word = True, 0
-        elif done:
-            self.have, self.word = not self.drop, data
-        elif take and self.word is not None:
-            self.word >>= 32
+        self.outside = not go and ask and not inside
+        self.valid = not go and ((ask and inside) or (self.valid and not ready))
+        if self.done:
+            self.have, self.word = not self.drop, self.coming
+        drop = (self.flight and not self.done) or taken
+        if self.done:
+            self.drop = False
+        self.flight = taken or (self.flight and not self.done)
+        self.done, self.coming = bool(done), data
         self.chunk += take
         if onward:
             self.have, self.address, self.chunk = False, (self.address + 1) & 0xFFFFFF, 0
-        drop = (self.flight and not done) or taken
-        if done:
-            self.drop = False
-        self.flight = taken or (self.flight and not done)
         if go:
             self.started, self.want, self.have, self.address, self.chunk = True, False, False, address, 0
             self.drop = drop
@@ -143,7 +166,9 @@ class ControlModel:
         self.shown: dict[str, int | None] = {}
         self.events = dict.fromkeys(EVENTS, 0)
         self.peek_wait = False
-        self.happened = [0] * len(self.counts)
+        self.happened, self.counted = [0] * len(self.counts), [0] * len(self.counts)  # one and two clocks before
+        self.seen, self.refused = 0, False  # a result; the front one's job was refused: one clock before
+        self.pops = (0, 0)  # the host's order to drop a result, one and two clocks before
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
@@ -162,7 +187,7 @@ class ControlModel:
                 "search_x": v["job.search.x"], "search_y": v["job.search.y"],
                 "offsets_x": v["job.offsets.across"], "offsets_y": v["job.offsets.down"]}),
             "grid_x_o": v["job.grid.across"], "grid_y_o": v["job.grid.down"], "step_x_o": v["job.step.x"],
-            "step_y_o": v["job.step.y"], "result_ready_o": v["result.pop.go"],
+            "step_y_o": v["job.step.y"], "result_ready_o": self.pops[0],
             "peek_valid_o": int(self.peek.valid), "peek_addr_o": self.peek.address if self.peek.valid else None,
             "irq_o": self.irq,
         }
@@ -188,10 +213,10 @@ class ControlModel:
             "slot_status.writing": i["writing_i"], "slot_status.refused": i["refused_i"],
             "job.status.waiting": i["job_level_i"], "job.status.ready": i["job_ready_i"],
             "job.status.busy": i["job_busy_i"], "result.pop.waiting": i["result_level_i"],
-            "result.head.tag": r["tag"] if i["result_valid_i"] else 0,
-            "result.head.status": r["status"] if i["result_valid_i"] else 0, "result.head.valid": i["result_valid_i"],
+            "result.head.tag": r["tag"] if self.seen else 0,
+            "result.head.status": r["status"] if self.seen else 0, "result.head.valid": self.seen,
             "result.best.x": r["best_x"], "result.best.y": r["best_y"], "result.scores.score": r["score"],
-            "result.scores.runner_up": r["runner_up"], "irq_status.result": i["result_valid_i"],
+            "result.scores.runner_up": r["runner_up"], "irq_status.result": self.seen,
             "peek_data.value": self.peek.data,
         }
         for k in range(4):
@@ -210,21 +235,25 @@ class ControlModel:
         lost = self.happened[OVERFLOW]
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
         self.peek_wait = not self.peek.have or bool(v["peek_address.go"])
-        begun = self.csr.begun
-        if begun is not None and not begun.is_write:  # otherwise nobody reads in the next clock
+        found = self.csr.found
+        if found is not None and not found.is_write:  # otherwise nobody reads in the next clock
             self.shown = self.status(i, result)
+        taken = bool(self.seen and self.pops[1])
+        refused, seen = self.refused, self.seen
+        self.seen = i["result_valid_i"]
+        self.refused = result is not None and RESULT.unpack(result)["status"] != 0
         if i["rst_i"]:
             self.csr.edge(i, shown, events, wait)
             self.bank.reset()
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
             self.events, self.happened = dict.fromkeys(EVENTS, 0), [0] * len(self.counts)
+            self.counted, self.pops = [0] * len(self.counts), (0, 0)
             return
-        taken = bool(i["result_valid_i"] and v["result.pop.go"])
-        good = taken and result is not None and RESULT.unpack(result)["status"] == 0
-        happened: list[int] = [1, i["work_i"], i["score_i"], taken and good, taken and not good, overflow,
+        self.pops = (v["result.pop.go"], self.pops[0])
+        happened: list[int] = [1, i["work_i"], i["score_i"], taken and not refused, taken and refused, overflow,
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
-        irq = (i["result_valid_i"] and v["irq_enable.result"]) or any(
+        irq = (seen and v["irq_enable.result"]) or any(
             v[name] and v[name.replace("status", "enable")] for name in EVENTS)
         active = i["active_i"] | i["writing_i"]
         before = dict(v)
@@ -235,8 +264,8 @@ class ControlModel:
                        active=active)
         self.peek.edge(go=v["peek_address.go"], address=v["peek_address.word"], take=peeked,
                        ready=i["peek_ready_i"], done=i["peek_done_i"], data=peek_data)
-        self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, self.happened, strict=True)]
-        self.happened = happened
+        self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, self.counted, strict=True)]
+        self.counted, self.happened = self.happened, happened
         self.irq = int(bool(irq))
 
     def step(self, i: Mapping[str, int]) -> dict[str, int | None]:

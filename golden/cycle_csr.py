@@ -57,14 +57,16 @@ class CsrModel:
     def reset(self) -> None:
         """State after reset."""
         self.value = {**self.stored, **dict.fromkeys(self.pulses, 0), **dict.fromkeys(self.cleared, 0)}
+        self.fresh = True  # nothing is accepted yet
         self.ar: int | None = None
         self.aw: int | None = None
         self.w: tuple[int, int] | None = None
         self.under_way, self.read_last = False, False
         self.begun: Request | None = None  # the access that begins in this clock
         self.request: Request | None = None
-        self.decoded: Request | None = None  # the request of the clock before, its address decoded
-        self.read: tuple[int | None] | None = None  # what the request of the clock before reads
+        self.found: Request | None = None  # the request of the clock before, its strobe on its way
+        self.decoded: Request | None = None  # that of two clocks before, at its register
+        self.read: tuple[int | None] | None = None  # what the one of three clocks before reads
         self.answer: tuple[int | None] | None = None  # what the read path answers in this clock
         self.bvalid, self.rvalid = False, False
 
@@ -86,8 +88,9 @@ class CsrModel:
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock: all come from registers."""
         return {
-            "s_axil_arready": int(self.ar is None), "s_axil_awready": int(self.aw is None),
-            "s_axil_wready": int(self.w is None), "s_axil_bvalid": int(self.bvalid),
+            "s_axil_arready": int(self.ar is None and not self.fresh),
+            "s_axil_awready": int(self.aw is None and not self.fresh),
+            "s_axil_wready": int(self.w is None and not self.fresh), "s_axil_bvalid": int(self.bvalid),
             "s_axil_rvalid": int(self.rvalid), "s_axil_rdata": self.rdata, "s_axil_bresp": 0, "s_axil_rresp": 0,
         }
 
@@ -111,12 +114,11 @@ class CsrModel:
         wrote = request is not None and request.is_write
         self.rvalid = self.answer is not None or (self.rvalid and not i["s_axil_rready"])
         self.bvalid = wrote or (self.bvalid and not i["s_axil_bready"])
-        asked = self.request
         self.answer = self.read
-        self.read = None if asked is None or asked.is_write else (self._read(asked.address, status),)
+        self.read = None if request is None or wrote else (self._read(request.address, status),)
         self._store(request if wrote else None, events)
         begun = self.begun
-        self.decoded, self.request, self.begun = asked, begun, chosen
+        self.decoded, self.found, self.request, self.begun = self.found, self.request, begun, chosen
         if begun is not None:
             self.read_last = not begun.is_write
         if chosen is not None:
@@ -130,11 +132,12 @@ class CsrModel:
             self.aw = self.w = None
         elif begun is not None:
             self.ar = None
-        if ar is None and i["s_axil_arvalid"]:
+        fresh, self.fresh = self.fresh, False
+        if ar is None and i["s_axil_arvalid"] and not fresh:
             self.ar = i["s_axil_araddr"]
-        if aw is None and i["s_axil_awvalid"]:
+        if aw is None and i["s_axil_awvalid"] and not fresh:
             self.aw = i["s_axil_awaddr"]
-        if w is None and i["s_axil_wvalid"]:
+        if w is None and i["s_axil_wvalid"] and not fresh:
             self.w = (i["s_axil_wdata"], i["s_axil_wstrb"])
 
     def _store(self, request: Request | None, events: Mapping[str, int]) -> None:

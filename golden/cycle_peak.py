@@ -70,7 +70,8 @@ class PeakModel:
         self.outcomes = deque[int]()
         self.taken: int | None = None
         self.kept, self.popped = 0, 0
-        self.front, self.waiting = StageModel(), 0
+        self.front, self.waiting = StageModel(half=True), 0
+        self.arrived: tuple[int, int] = 0, 0  # mismatch of the clock before: whether there is one
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -172,7 +173,9 @@ class PeakModel:
         popped = int(queued is not None and bool(intake["mismatch_ready_o"]))
         out.update(self.room.step({"rst_i": rst, "row_valid_i": i["row_valid_i"], "row_offsets_i": i["row_offsets_i"],
                                    "taken_i": popped}))
-        self.queue.step({"rst_i": rst, "in_valid_i": i["mismatch_valid_i"], "in_data_i": i["mismatch_i"],
+        valid, mismatch = self.arrived
+        self.arrived = i["mismatch_valid_i"], i["mismatch_i"]
+        self.queue.step({"rst_i": rst, "in_valid_i": valid, "in_data_i": mismatch,
                          "out_ready_i": known(intake["mismatch_ready_o"])})
         return intake, row if taken else None
 

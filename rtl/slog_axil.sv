@@ -3,7 +3,7 @@
 // A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
 //
 // Latency    : a request leaves 3 clocks after the last channel of its access was accepted; bvalid and rvalid follow the
-//              register block's answer by 1 clock. What req_o asks for stays until then.
+//              register block's answer by 1 clock. What req_o asks for stays until then. Nothing is accepted in reset.
 // Throughput : an access every 4 clocks and the register block's latency, if its response is taken at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
@@ -42,22 +42,32 @@ module slog_axil #(
     input  logic [31:0]      rd_data_i
 );
   logic aw_q, w_q, ar_q;       // an address, data wait
+  logic aw_free_q, w_free_q, ar_free_q;  // none does, and none did in reset
+  logic aw, w, ar;
   logic ar_waits_q;            // ... of WaitAddr
   logic [AddrW-1:0] awaddr_q, araddr_q, addr_q;
   logic [31:0] wdata_q, data_q, rdata_q;
   logic [3:0] wstrb_q, strb_q;
   logic under_way_q, read_last_q, req_q, is_wr_q, bvalid_q, rvalid_q;
   logic read_q, write_q;       // the access begins
+  logic begin_q;               // either: apart from them, because it enables all of what is asked for
   logic can_read, can_write;
 
   assign can_read  = ar_q && !(ar_waits_q && wait_i) && !under_way_q;
   assign can_write = aw_q && w_q && !under_way_q;
+  assign aw        = (aw_q || (awvalid_i && aw_free_q)) && !write_q;
+  assign w         = (w_q || (wvalid_i && w_free_q)) && !write_q;
+  assign ar        = (ar_q || (arvalid_i && ar_free_q)) && !read_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       aw_q        <= 1'b0;
       w_q         <= 1'b0;
       ar_q        <= 1'b0;
+      aw_free_q   <= 1'b0;
+      w_free_q    <= 1'b0;
+      ar_free_q   <= 1'b0;
+      begin_q     <= 1'b0;
       under_way_q <= 1'b0;
       read_q      <= 1'b0;
       write_q     <= 1'b0;
@@ -68,10 +78,14 @@ module slog_axil #(
     end else begin
       read_q   <= can_read && !(can_write && read_last_q);
       write_q  <= can_write && !(can_read && !read_last_q);
-      aw_q     <= (aw_q || awvalid_i) && !write_q;
-      w_q      <= (w_q || wvalid_i) && !write_q;
-      ar_q     <= (ar_q || arvalid_i) && !read_q;
-      req_q    <= read_q || write_q;
+      aw_q      <= aw;
+      w_q       <= w;
+      ar_q      <= ar;
+      aw_free_q <= !aw;
+      w_free_q  <= !w;
+      ar_free_q <= !ar;
+      begin_q   <= can_read || can_write;
+      req_q     <= begin_q;
       bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
       rvalid_q <= rd_ack_i || (rvalid_q && !rready_i);
       if (read_q) read_last_q <= 1'b1;
@@ -82,16 +96,16 @@ module slog_axil #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (!aw_q) awaddr_q <= awaddr_i;
-    if (!w_q) begin
+    if (aw_free_q) awaddr_q <= awaddr_i;
+    if (w_free_q) begin
       wdata_q <= wdata_i;
       wstrb_q <= wstrb_i;
     end
-    if (!ar_q) begin
+    if (ar_free_q) begin
       araddr_q   <= araddr_i;
       ar_waits_q <= araddr_i[AddrW-1:2] == WaitAddr[AddrW-1:2];
     end
-    if (read_q || write_q) begin
+    if (begin_q) begin
       addr_q  <= write_q ? awaddr_q : araddr_q;
       is_wr_q <= write_q;
       data_q  <= wdata_q;
@@ -100,9 +114,9 @@ module slog_axil #(
     if (rd_ack_i) rdata_q <= rd_data_i;
   end
 
-  assign awready_o   = !aw_q;
-  assign wready_o    = !w_q;
-  assign arready_o   = !ar_q;
+  assign awready_o   = aw_free_q;
+  assign wready_o    = w_free_q;
+  assign arready_o   = ar_free_q;
   assign bvalid_o    = bvalid_q;
   assign rvalid_o    = rvalid_q;
   assign rdata_o     = rdata_q;
@@ -115,6 +129,8 @@ module slog_axil #(
     assign req_biten_o[8*i+:8] = {8{strb_q[i]}};
   end
 
+  `SLOG_ASSERT(SlogAxilCopies, begin_q == (read_q || write_q)
+                               && !(aw_q && aw_free_q) && !(w_q && w_free_q) && !(ar_q && ar_free_q))
   `SLOG_ASSERT(SlogAxilAnswerExpected, wr_ack_i || rd_ack_i |-> under_way_q && !(wr_ack_i && rd_ack_i))
   `SLOG_ASSERT_STABLE(SlogAxilReadStable, rvalid_o, rready_i, rdata_o)
 endmodule : slog_axil

@@ -1,8 +1,9 @@
 // Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
 // registers' commands turned into the blocks' own terms.
 //
-// Latency    : a command reaches the blocks 5 clocks after its AXI4-Lite write is complete; what is read is one clock old,
-//              counts two; irq_o follows a result by 1 clock, captures and drops by 3, a lost submit by 4.
+// Latency    : a command reaches the blocks 6 clocks after its AXI4-Lite write is complete, result.pop 7; what is read is
+//              one clock old, whether there is a result two, counts three, those of results four; irq_o follows a result
+//              by 2 clocks, captures and drops by 3, a lost submit by 4.
 `include "slog_assert.svh"
 module slog_control
   import slog_pkg::*;
@@ -88,6 +89,9 @@ module slog_control
   logic [Events-1:0] events, events_q;
   logic [Events-1:0][31:0] counts;
   logic overflow, taken, filter_busy, size_error, irq_q;
+  logic seen_q;            // there is a result
+  logic [2:0] outcome_q;   // its status
+  logic pop_q, pop_q2;     // the front result is dropped: now, in the clock before
   logic [31:0] peek_data;
   logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
@@ -254,7 +258,22 @@ module slog_control
   assign grid_y_o       = hwif_out.job.grid.down.value;
   assign step_x_o       = hwif_out.job.step.x.value;
   assign step_y_o       = hwif_out.job.step.y.value;
-  assign result_ready_o = hwif_out.result.pop.go.value;
+  assign result_ready_o = pop_q;
+  always_ff @(posedge clk) begin
+    if (rst_i) begin
+      pop_q  <= 1'b0;
+      pop_q2 <= 1'b0;
+    end else begin
+      pop_q  <= hwif_out.result.pop.go.value;
+      pop_q2 <= pop_q;
+    end
+  end
+
+  // Results are far from the registers. Between a pop and the next access there are clocks enough for all this.
+  always_ff @(posedge clk_i) begin
+    seen_q    <= result_valid_i;
+    outcome_q <= result_i.status;
+  end
 
   // Status
   assign status.build_image.max_width.next       = 10'(MaxWidth);
@@ -285,9 +304,9 @@ module slog_control
   assign status.job.status.ready.next            = job_ready_i;
   assign status.job.status.busy.next             = job_busy_i;
   assign status.result.pop.waiting.next          = result_level_i;
-  assign status.result.head.tag.next             = result_valid_i ? result_i.tag : '0;
-  assign status.result.head.status.next          = result_valid_i ? result_i.status : '0;
-  assign status.result.head.valid.next           = result_valid_i;
+  assign status.result.head.tag.next             = seen_q ? result_i.tag : '0;
+  assign status.result.head.status.next          = seen_q ? result_i.status : '0;
+  assign status.result.head.valid.next           = seen_q;
   assign status.result.best.x.next               = result_i.best_x;
   assign status.result.best.y.next               = result_i.best_y;
   assign status.result.scores.score.next         = result_i.score;
@@ -297,16 +316,16 @@ module slog_control
     assign status.result.neighbour[k].odd.next  = result_i.neighbour[2*k+1];
   end
   assign status.peek_data.value.next             = peek_data;
-  assign status.irq_status.result.next           = result_valid_i;
+  assign status.irq_status.result.next           = seen_q;
   assign status.irq_status.capture.next          = captured_i;
   assign status.irq_status.drop.next             = dropped_i != '0;
   assign status.irq_status.overflow.next         = events_q[5];
 
   // Counters
-  assign taken = result_valid_i && result_ready_o;
+  assign taken = seen_q && pop_q2;
   assign events = {
-      MaxCameras'(dropped_i), MaxCameras'(accepted_i), overflow, taken && result_i.status != StatusOk,
-      taken && result_i.status == StatusOk, score_i, work_i, 1'b1
+      MaxCameras'(dropped_i), MaxCameras'(accepted_i), overflow, taken && outcome_q != StatusOk,
+      taken && outcome_q == StatusOk, score_i, work_i, 1'b1
   };
   always_ff @(posedge clk_i) begin
     if (rst_i) events_q <= '0;
@@ -327,7 +346,7 @@ module slog_control
   always_ff @(posedge clk_i) begin
     if (rst_i) irq_q <= 1'b0;
     else
-      irq_q <= (result_valid_i && hwif_out.irq_enable.result.value) ||
+      irq_q <= (seen_q && hwif_out.irq_enable.result.value) ||
                (hwif_out.irq_status.capture.value && hwif_out.irq_enable.capture.value) ||
                (hwif_out.irq_status.drop.value && hwif_out.irq_enable.drop.value) ||
                (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value);
@@ -336,5 +355,6 @@ module slog_control
 
   // One access at a time: none is ever stalled, and PeekData is where the map has it.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, req && !req_is_wr |=> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
+  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 2) && !$past(rst_i)
+                                       |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control

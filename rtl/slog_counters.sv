@@ -1,6 +1,6 @@
 // Event counters of the board, 32 bits each, modulo 2**32, zero after reset.
 //
-// Latency    : an event shows in the clock after it.
+// Latency    : an event shows two clocks after it.
 // Throughput : one event of each kind per clock.
 module slog_counters #(
     parameter  int unsigned Events = 10,
@@ -12,10 +12,16 @@ module slog_counters #(
     output logic [Events-1:0][Bits-1:0] count_o
 );
   for (genvar k = 0; k < Events; k++) begin : g_counter
+    logic event_q;
     logic [Bits-1:0] count_q;
     always_ff @(posedge clk_i) begin
-      if (rst_i) count_q <= '0;
-      else if (event_i[k]) count_q <= count_q + 1'b1;
+      if (rst_i) begin
+        event_q <= 1'b0;
+        count_q <= '0;
+      end else begin
+        event_q <= event_i[k];
+        if (event_q) count_q <= count_q + 1'b1;
+      end
     end
     assign count_o[k] = count_q;
   end

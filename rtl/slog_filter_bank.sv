@@ -2,10 +2,13 @@
 //
 // A commit holds back new frames; when every camera has been idle for Settle clocks in a row, the staged values become the
 // active ones and frames flow again. A staged size outside MinImage..MaxWidth x MaxHeight is not taken (size_error_o).
-// After reset all coefficients are 0 and the size is the largest.
+// After reset all coefficients become 0 in the same way, and the size is the largest.
 //
-// Latency    : commit to change is Settle + 3 clocks with idle cameras; coefficient k follows k + 1 clocks later, so that
-//              one enable need not reach them all, and busy_o falls with the last. A coefficient is staged in 2 clocks.
+// Coefficients wait in a small memory. The active ones are a chain over the device, each beside its multipliers: they
+// are shifted in, the last one first, the shift itself running from the chain's end to its begin.
+//
+// Latency    : commit to the new size is Settle + 3 clocks with idle cameras, to the last coefficient 3 * Coefs more;
+//              busy_o falls with it, after reset too. A coefficient is staged in 2 clocks.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
 `include "slog_assert.svh"
 module slog_filter_bank #(
@@ -36,55 +39,89 @@ module slog_filter_bank #(
     output logic [Coefs-1:0][CoefBits-1:0] g2_o
 );
   // A frame let in just before the hold needs a few clocks to show as active.
-  localparam int unsigned Settle = 8;
+  localparam int unsigned Settle = 9;
+  localparam int unsigned Places = 32;
+  localparam int unsigned PulseW = $clog2(2 * Coefs + 1);
+  localparam int unsigned PlaceW = $clog2(Coefs);
 
-  logic [Coefs-1:0][CoefBits-1:0] staged_g_q, staged_g2_q, g_q, g2_q;
-  logic [Coefs-1:0] index_q;  // the coefficient that coef_q is for
-  logic stage_g_q, stage_g2_q;
+  // Staging.
+  logic [CoefBits-1:0] staged_g_q[Places], staged_g2_q[Places];
+  logic [Coefs-1:0] given_g_q, given_g2_q;  // staged since the reset; what was not is 0
   logic [CoefBits-1:0] coef_q;
-  logic calm, calm_q;          // a commit waits and no camera is active; was so in the clock before
-  logic [Settle-3:0] quiet_q;  // [k]: in k + 1 clocks before that
-  logic ready_q;               // in Settle clocks
+  logic [4:0] index_q;
+  logic stage_g_q, stage_g2_q;
+  // Loading.
+  logic [Coefs-1:0][CoefBits-1:0] g_q, g2_q;
+  logic [CoefBits-1:0] next_g_q, next_g2_q;  // the coefficients at place_q as they were a clock before
+  logic [PlaceW-1:0] place_q;
+  logic [PulseW-1:0] pulse_q;  // an odd number: a shift begins
+  logic [Coefs-1:0] shift_q;   // [k]: coefficient k takes the one before it; a shift in every other clock
+  logic loading_q, clear_q;    // clear_q: after reset, with zeros
+  logic loading, last;
+  // Commit.
+  logic active_q;
+  logic calm;                  // a commit waits and no camera is active
+  logic [Settle-1:0] quiet_q;  // [k]: was so for the last k + 1 clocks
   logic [9:0] width_q, height_q, new_width_q, new_height_q;
   logic pending_q, busy_q, apply_q, size_error_q, size_changed_q;
   logic [1:0] within_q;      // the staged width, height may be taken
   logic [1:0] differs_q;     // its width, its height is another than the active one
-  logic [Coefs-1:0] follow_q;
-  logic follow_on_q;  // follow_q is not 0, nor will it be in the next clock
   logic apply, size_new;
 
   assign size_new = apply_q && within_q == '1 && differs_q != '0;
-  assign calm = pending_q && active_i == '0;
-  assign apply = ready_q && active_i == '0;
+  assign calm     = pending_q && !active_q && !apply_q && !loading_q;
+  assign apply    = calm && quiet_q[Settle-1];
+  assign last     = shift_q[0] && place_q == '0;
+  assign loading  = apply_q || (loading_q && !last);
 
   always_ff @(posedge clk_i) begin
-    coef_q <= coef_value_i;
-    for (int unsigned k = 0; k < Coefs; k++) index_q[k] <= coef_index_i == 5'(k);
+    coef_q  <= coef_value_i;
+    index_q <= coef_index_i;
     if (rst_i) begin
       stage_g_q  <= 1'b0;
       stage_g2_q <= 1'b0;
+      given_g_q  <= '0;
+      given_g2_q <= '0;
     end else begin
       stage_g_q  <= coef_valid_i && !coef_second_i;
       stage_g2_q <= coef_valid_i && coef_second_i;
+      for (int unsigned k = 0; k < Coefs; k++) begin
+        if (stage_g_q && index_q == 5'(k)) given_g_q[k] <= 1'b1;
+        if (stage_g2_q && index_q == 5'(k)) given_g2_q[k] <= 1'b1;
+      end
     end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (stage_g_q) staged_g_q[index_q] <= coef_q;
+    if (stage_g2_q) staged_g2_q[index_q] <= coef_q;
+    next_g_q  <= (given_g_q[place_q] && !clear_q) ? staged_g_q[5'(place_q)] : '0;
+    next_g2_q <= (given_g2_q[place_q] && !clear_q) ? staged_g2_q[5'(place_q)] : '0;
   end
 
   for (genvar k = 0; k < Coefs; k++) begin : g_coef
     always_ff @(posedge clk_i) begin
-      if (rst_i) begin
-        staged_g_q[k]  <= '0;
-        staged_g2_q[k] <= '0;
-      end else begin
-        if (stage_g_q && index_q[k]) staged_g_q[k] <= coef_q;
-        if (stage_g2_q && index_q[k]) staged_g2_q[k] <= coef_q;
+      if (shift_q[k]) begin
+        g_q[k]  <= (k == 0) ? next_g_q : g_q[(k==0)?0 : k-1];
+        g2_q[k] <= (k == 0) ? next_g2_q : g2_q[(k==0)?0 : k-1];
       end
-      if (rst_i) begin
-        g_q[k]  <= '0;
-        g2_q[k] <= '0;
-      end else if (follow_q[k]) begin
-        g_q[k]  <= staged_g_q[k];
-        g2_q[k] <= staged_g2_q[k];
-      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      pulse_q   <= PulseW'(2 * Coefs);
+      shift_q   <= '0;
+      place_q   <= PlaceW'(Coefs - 1);
+      loading_q <= 1'b1;
+      clear_q   <= 1'b1;
+    end else begin
+      if (apply_q) pulse_q <= PulseW'(2 * Coefs);
+      else if (pulse_q != '0) pulse_q <= pulse_q - 1'b1;
+      shift_q <= {pulse_q[0], shift_q[Coefs-1:1]};
+      if (shift_q[0]) place_q <= last ? PlaceW'(Coefs - 1) : place_q - 1'b1;
+      loading_q <= loading;
+      if (last) clear_q <= 1'b0;
     end
   end
 
@@ -99,27 +136,21 @@ module slog_filter_bank #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      calm_q         <= 1'b0;
+      active_q       <= 1'b0;
       quiet_q        <= '0;
-      ready_q        <= 1'b0;
-      follow_q       <= '0;
       width_q        <= 10'(MaxWidth);
       height_q       <= 10'(MaxHeight);
       pending_q      <= 1'b0;
-      follow_on_q    <= 1'b0;
-      busy_q         <= 1'b0;
+      busy_q         <= 1'b1;
       apply_q        <= 1'b0;
       size_error_q   <= 1'b0;
       size_changed_q <= 1'b0;
     end else begin
-      follow_q       <= {follow_q[Coefs-2:0], apply_q};
-      calm_q         <= calm;
-      quiet_q        <= calm_q ? {quiet_q[Settle-4:0], 1'b1} : '0;
-      ready_q        <= calm && calm_q && quiet_q[Settle-3] && !ready_q;
+      active_q       <= active_i != '0;
+      quiet_q        <= calm ? {quiet_q[Settle-2:0], 1'b1} : '0;
       apply_q        <= apply;
       pending_q      <= commit_i || (pending_q && !apply);
-      busy_q         <= commit_i || pending_q || apply_q || follow_on_q;
-      follow_on_q    <= apply_q || follow_q[Coefs-3:0] != '0;
+      busy_q         <= commit_i || pending_q || loading;
       size_changed_q <= size_new;
       if (apply_q) size_error_q <= within_q != '1;
       if (size_new) begin
@@ -138,6 +169,8 @@ module slog_filter_bank #(
   assign g_o            = g_q;
   assign g2_o           = g2_q;
 
-  `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i, 2) == '0 && busy_o)
-  `SLOG_ASSERT(SlogFilterBankBusy, busy_o == (pending_q || apply_q || follow_q != '0))
+  `SLOG_ASSERT_INIT(SlogFilterBankPlaces, Coefs > 1 && Coefs <= Places)
+  `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i, 3) == '0 && busy_o)
+  `SLOG_ASSERT(SlogFilterBankBusy, busy_o == (pending_q || apply_q || loading_q))
+  `SLOG_ASSERT(SlogFilterBankLoaded, loading_q || (shift_q == '0 && pulse_q == '0))
 endmodule : slog_filter_bank

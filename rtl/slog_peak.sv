@@ -7,6 +7,7 @@
 //              in that clock). row_ready_o does not depend on row_valid_i and is low for one clock after each grant.
 //              A job's context must be taken (ctx_valid_i, ctx_ready_o) no later than in the clock of its first grant.
 //              Scores of granted rows come in grant order, gaps allowed; they are never refused.
+// Results    : one in two clocks at most.
 // Formats    : mismatch_i unsigned; scores ScoreW bits; absent scores in res_o are NoScore.
 // Ties       : the first in raster order is the best.
 `include "slog_assert.svh"
@@ -53,12 +54,21 @@ module slog_peak
   localparam int unsigned SurfaceDepth = 8;
   localparam int unsigned SurfaceRoom = 5;   // scores that may be on their way when surf_ok_q falls
 
+  // The array is far.
+  logic arrived_q;
+  logic [ScoreBits-1:0] mismatch_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) arrived_q <= 1'b0;
+    else arrived_q <= mismatch_valid_i;
+  end
+  always_ff @(posedge clk_i) mismatch_q <= mismatch_i;
+
   // Scores wait here, so that a row can run into it whatever the search behind is doing.
   logic queue_valid, queue_ready, queue_room;
   logic [ScoreBits-1:0] queue_mismatch;
   logic [$clog2(ScoreDepth+1)-1:0] unused_queue_level;
   slog_ram_fifo #(.Width(ScoreBits), .Depth(ScoreDepth), .Kept(1'b1)) u_queue (
-      .clk_i, .rst_i, .in_valid_i(mismatch_valid_i), .in_ready_o(queue_room), .in_data_i(mismatch_i),
+      .clk_i, .rst_i, .in_valid_i(arrived_q), .in_ready_o(queue_room), .in_data_i(mismatch_q),
       .out_valid_o(queue_valid), .out_ready_i(queue_valid && queue_ready), .out_data_o(queue_mismatch),
       .level_o(unused_queue_level));
 
@@ -213,7 +223,7 @@ module slog_peak
   assign whole = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
                    best_y: verdict_out.best_y, score: verdict_out.score, neighbour: around_out,
                    runner_up: verdict_out.runner_up};
-  slog_stage #(.Width($bits(result_t))) u_result (
+  slog_stage #(.Width($bits(result_t)), .Half(1'b1)) u_result (
       .clk_i, .rst_i, .in_valid_i(verdict_out_valid), .in_ready_o(result_room), .in_data_i(whole),
       .out_valid_o(res_valid_o), .out_ready_i(res_ready_i), .out_data_o(res_o));
   assign res_level_o = level_q;
@@ -235,16 +245,16 @@ module slog_peak
       room_q   <= popped_q || !(kept_all_q || (kept_one_q && (keep_q || keep)));
       keep_q   <= keep;
       popped_q <= popped;
-      if (verdict_valid != popped) level_q <= verdict_valid ? level_q + 1'b1 : level_q - 1'b1;
+      if (verdict_valid != popped) level_q <= level_q + ResultLevelW'({ResultLevelW{popped}} | 1'b1);
       if (keep_q != popped_q) begin
-        kept_q     <= popped_q ? kept_q - 1'b1 : kept_q + 1'b1;
+        kept_q     <= kept_q + ResultLevelW'({ResultLevelW{popped_q}} | 1'b1);
         kept_all_q <= !popped_q && kept_one_q;
         kept_one_q <= popped_q ? kept_all_q : kept_q == ResultLevelW'(ResultDepth - 2);
       end
     end
   end
 
-  `SLOG_ASSERT(SlogPeakScoreGranted, !mismatch_valid_i || queue_room)
+  `SLOG_ASSERT(SlogPeakScoreGranted, !arrived_q || queue_room)
   `SLOG_ASSERT(SlogPeakColumns, (read == '0 || 32'(read_x) < MaxOffsets) && (!score_valid || 32'(score_x) < MaxOffsets))
   `SLOG_ASSERT(SlogPeakSurfaceRoom, !surf_valid || surf_room)
   `SLOG_ASSERT(SlogPeakRowRoom, (no_row_q || begun_room) && (!max_valid || top_room))

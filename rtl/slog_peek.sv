@@ -3,7 +3,7 @@
 // A new address starts reading there; data_o is what the next read gets, and each read moves on. The word after the last
 // one handed out is read ahead. Addresses past the store, and reads before any address, give zero.
 //
-// Latency    : go_i to peek_valid_o 2 clocks; a word is ready 1 clock after peek_done_i; ready_o falls 2 clocks after the
+// Latency    : go_i to peek_valid_o 3 clocks; a word is ready 2 clocks after peek_done_i; ready_o falls 2 clocks after the
 //              take_i of a word's last 32 bits.
 // Formats    : bit 0 is the leftmost pixel; a store word narrower than 32 bits fills the low bits.
 `include "slog_assert.svh"
@@ -28,21 +28,27 @@ module slog_peek #(
   localparam int unsigned Chunks = (GroupBits + 31) / 32;
   localparam int unsigned ChunkW = (Chunks > 1) ? $clog2(Chunks) : 1;
 
-  logic [Chunks*32-1:0] word_q;
-  logic [ChunkW-1:0] chunk_q;
+  logic [GroupBits-1:0] data_q;  // what the store shows, on its way
+  logic [GroupBits-1:0] word_q;
+  logic [Chunks-1:0][31:0] chunks;
+  logic [ChunkW-1:0] chunk_q;    // of word_q, the next to be read
   logic [23:0] address_q;
   logic started_q;   // there is an address
   logic new_q;       // address_q has just changed
   logic in_store_q;  // address_q lies in the store
   logic want_q;      // address_q is to be read
+  logic valid_q;     // ... and asked for
+  logic outside_q;   // ... and not in the store
   logic flight_q;    // a read is on its way
+  logic done_q;      // ... and data_q is its word
   logic drop_q;      // ... and no longer wanted
   logic have_q;      // word_q is the word before address_q, or none was ever asked for
+  logic zero_q;      // in its place stands 0
   logic onward_q;    // the last of word_q was read
-  logic taken, outside;
+  logic ask, taken;
 
-  assign taken   = peek_valid_o && peek_ready_i;
-  assign outside = want_q && !in_store_q && !flight_q;
+  assign ask   = want_q && !flight_q && !valid_q;
+  assign taken = valid_q && peek_ready_i;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -50,51 +56,57 @@ module slog_peek #(
       onward_q  <= 1'b0;
       new_q     <= 1'b0;
       want_q    <= 1'b0;
+      valid_q   <= 1'b0;
+      outside_q <= 1'b0;
       flight_q  <= 1'b0;
+      done_q    <= 1'b0;
       drop_q    <= 1'b0;
       have_q    <= 1'b1;
+      zero_q    <= 1'b1;
     end else begin
-      onward_q <= take_i && started_q && chunk_q == ChunkW'(Chunks - 1);
-      new_q    <= go_i || onward_q;
+      onward_q  <= take_i && started_q && chunk_q == ChunkW'(Chunks - 1);
+      new_q     <= go_i || onward_q;
+      done_q    <= peek_done_i;
+      valid_q   <= !go_i && ((ask && in_store_q) || (valid_q && !peek_ready_i));
+      outside_q <= !go_i && ask && !in_store_q;
       if (new_q) want_q <= 1'b1;
-      else if (taken || outside) want_q <= 1'b0;
+      else if (ask) want_q <= 1'b0;
       if (taken) flight_q <= 1'b1;
-      else if (peek_done_i) flight_q <= 1'b0;
-      if (outside) have_q <= 1'b1;
-      if (peek_done_i) begin
+      else if (done_q) flight_q <= 1'b0;
+      if (outside_q) begin
+        have_q <= 1'b1;
+        zero_q <= 1'b1;
+      end
+      if (done_q) begin
         drop_q <= 1'b0;
         have_q <= !drop_q;
+        zero_q <= 1'b0;
       end
       if (onward_q) have_q <= 1'b0;
       if (go_i) begin
         started_q <= 1'b1;
         want_q    <= 1'b0;
         have_q    <= 1'b0;
-        drop_q    <= (flight_q && !peek_done_i) || taken;
+        drop_q    <= (flight_q && !done_q) || taken;
       end
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (rst_i || outside) word_q <= '0;
-    else if (peek_done_i) word_q <= (Chunks * 32)'(peek_data_i);
-    else if (take_i) word_q <= word_q >> 32;
-    if (take_i) chunk_q <= chunk_q + 1'b1;
-    if (onward_q) begin
-      address_q <= address_q + 1'b1;
-      chunk_q   <= '0;
-    end
-    if (go_i) begin
-      address_q <= address_i;
-      chunk_q   <= '0;
-    end
+    data_q <= peek_data_i;
+    if (done_q) word_q <= data_q;
+    if (onward_q || go_i) chunk_q <= '0;
+    else if (take_i) chunk_q <= chunk_q + 1'b1;
+    if (go_i) address_q <= address_i;
+    else if (onward_q) address_q <= address_q + 1'b1;
     in_store_q <= address_q < 24'(StoreWords);
   end
 
-  assign peek_valid_o = want_q && in_store_q && !flight_q;
+  assign chunks       = (Chunks * 32)'(word_q);
+  assign peek_valid_o = valid_q;
   assign peek_addr_o  = address_q[AddrW-1:0];
   assign ready_o      = have_q;
-  assign data_o       = word_q[31:0];
+  assign data_o       = zero_q ? '0 : chunks[(Chunks>1)?chunk_q : '0];
 
   `SLOG_ASSERT(SlogPeekReady, take_i || onward_q |-> have_q && !go_i)
   `SLOG_ASSERT(SlogPeekDoneExpected, peek_done_i |-> flight_q)

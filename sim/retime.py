@@ -1,7 +1,9 @@
-"""Registers within the generated register block, for its clock rate: behind the address decoder, and in the read path.
+"""Registers within the generated register block, for its clock rate: in the address decoder, and in the read path.
 
-What a request asks for (address, direction, data, enables) must then stay for two clocks after it, as `slog_axil`
-keeps it; a write is acknowledged one clock after its request, a read two, with what the registers held at the request.
+A request's strobe is decoded in one clock and on its way to its register in the next; with it goes what is written. Reads
+are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
+(address, direction, data, enables) must stay for two clocks after it, as `slog_axil` keeps it; a write is acknowledged two
+clocks after its request, a read four, with what the registers held two clocks after it.
 """
 
 from __future__ import annotations
@@ -9,13 +11,23 @@ from __future__ import annotations
 import re
 
 DECODER = """
+    // The words that are read, by address; the strobes are those of writes where there is something to write.
+    logic [63:0] asked_read, found_read, decoded_read;
+    logic found_req;
+    assign asked_read = (cpuif_req_masked & ~cpuif_req_is_wr) ? 64'd1 << cpuif_addr[7:2] : '0;
     always_ff @(posedge clk) begin
-        decoded_req <= rst ? '0 : cpuif_req_masked;
-        decoded_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
+        found_req <= rst ? '0 : cpuif_req_masked;
+        found_read <= rst ? '0 : asked_read;
+        found_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
+        decoded_req <= rst ? '0 : found_req;
+        decoded_read <= rst ? '0 : found_read;
+        decoded_reg_strb <= rst ? '{default: '0} : found_reg_strb;
+        decoded_wr_data <= cpuif_wr_data;
+        decoded_wr_biten <= cpuif_wr_biten;
     end
 """
 WORDS = """
-    // Every word of the map; then one of four three times, with a register behind the first two.
+    // Every word of the map; then four times the OR of four, the first of the one that is read and of zeros.
     logic [31:0] readback_word[64];
     always_comb begin
         automatic logic [31:0] readback_data_var;
@@ -30,17 +42,26 @@ CHOICES = """
     end
     logic [31:0] readback_four[16];
     logic [31:0] readback_sixteen[4];
+    logic readback_read;
     always_ff @(posedge clk) begin
-        for(int i=0; i<16; i++) readback_four[i] <= readback_word[{i[3:0], decoded_addr[3:2]}];
-        for(int i=0; i<4; i++) readback_sixteen[i] <= readback_four[{i[1:0], decoded_addr[5:4]}];
-        readback_done <= rst ? '0 : decoded_req & ~decoded_req_is_wr;
+        for(int i=0; i<16; i++) readback_four[i] <= (readback_word[4*i] & {32{decoded_read[4*i]}})
+                                                  | (readback_word[4*i+1] & {32{decoded_read[4*i+1]}})
+                                                  | (readback_word[4*i+2] & {32{decoded_read[4*i+2]}})
+                                                  | (readback_word[4*i+3] & {32{decoded_read[4*i+3]}});
+        for(int i=0; i<4; i++) readback_sixteen[i] <= readback_four[4*i] | readback_four[4*i+1]
+                                                    | readback_four[4*i+2] | readback_four[4*i+3];
+        readback_read <= rst ? '0 : decoded_req & ~decoded_req_is_wr;
+        readback_done <= rst ? '0 : readback_read;
     end
-    assign readback_data = readback_sixteen[decoded_addr[7:6]];
+    assign readback_data = readback_sixteen[0] | readback_sixteen[1] | readback_sixteen[2] | readback_sixteen[3];
     assign readback_err = '0;
 """
 EDITS = (
-    (r"^ +decoded_reg_strb_t decoded_reg_strb;\n", "    decoded_reg_strb_t decoded_reg_strb, asked_reg_strb;\n"),
+    (r"^ +decoded_reg_strb_t decoded_reg_strb;\n",
+     "    decoded_reg_strb_t decoded_reg_strb, found_reg_strb, asked_reg_strb;\n"),
     (r"^ +assign decoded_req = cpuif_req_masked;\n", DECODER[1:]),
+    (r"^ +assign decoded_wr_data = cpuif_wr_data;\n", ""),
+    (r"^ +assign decoded_wr_biten = cpuif_wr_biten;\n", ""),
     (r"^ +logic \[7:0\] rd_mux_addr;\n +assign rd_mux_addr = decoded_addr;\n", ""),
     (r"^ +always_comb begin\n +automatic logic \[31:0\] readback_data_var;\n +readback_data_var = '0;\n", WORDS[1:]),
     (r"^ +readback_data = readback_data_var;\n +readback_done = .*;\n +readback_err = '0;\n +end\n", CHOICES[1:]),
@@ -59,4 +80,6 @@ def retimed(block: str) -> str:
         if times != 1:
             raise ValueError(f"the generated register block has {times} places like {pattern}, not one: go back to the "
                              "locked version of peakrdl-regblock, or let sim/retime.py follow its new form")
-    return re.sub(r"^( +)decoded_reg_strb\.(\S+ = )", r"\1asked_reg_strb.\2", block, flags=re.MULTILINE)
+    block = re.sub(r"^( +)decoded_reg_strb\.(\S+ = )", r"\1asked_reg_strb.\2", block, flags=re.MULTILINE)
+    block = re.sub(r"^( +asked_reg_strb\..*\));$", r"\1 & cpuif_req_is_wr;", block, flags=re.MULTILINE)
+    return re.sub(r"(decoded_reg_strb\.\S+) && decoded_req_is_wr", r"\1", block)

@@ -111,7 +111,7 @@ module slog_csr (
             logic drops[2];
         } counter;
     } decoded_reg_strb_t;
-    decoded_reg_strb_t decoded_reg_strb, asked_reg_strb;
+    decoded_reg_strb_t decoded_reg_strb, found_reg_strb, asked_reg_strb;
     logic decoded_err;
     logic [7:0] decoded_addr;
     logic decoded_req;
@@ -131,31 +131,31 @@ module slog_csr (
         asked_reg_strb.build_window = cpuif_req_masked & (cpuif_addr == 8'h10) & !cpuif_req_is_wr;
         asked_reg_strb.build_board = cpuif_req_masked & (cpuif_addr == 8'h14) & !cpuif_req_is_wr;
         asked_reg_strb.build_queue = cpuif_req_masked & (cpuif_addr == 8'h18) & !cpuif_req_is_wr;
-        asked_reg_strb.image_size = cpuif_req_masked & (cpuif_addr == 8'h20);
+        asked_reg_strb.image_size = cpuif_req_masked & (cpuif_addr == 8'h20) & cpuif_req_is_wr;
         asked_reg_strb.image_active = cpuif_req_masked & (cpuif_addr == 8'h24) & !cpuif_req_is_wr;
-        asked_reg_strb.coef = cpuif_req_masked & (cpuif_addr == 8'h28);
-        asked_reg_strb.filter = cpuif_req_masked & (cpuif_addr == 8'h2c);
-        asked_reg_strb.capture = cpuif_req_masked & (cpuif_addr == 8'h30);
+        asked_reg_strb.coef = cpuif_req_masked & (cpuif_addr == 8'h28) & cpuif_req_is_wr;
+        asked_reg_strb.filter = cpuif_req_masked & (cpuif_addr == 8'h2c) & cpuif_req_is_wr;
+        asked_reg_strb.capture = cpuif_req_masked & (cpuif_addr == 8'h30) & cpuif_req_is_wr;
         asked_reg_strb.slot_status = cpuif_req_masked & (cpuif_addr == 8'h34) & !cpuif_req_is_wr;
-        asked_reg_strb.job.tpl = cpuif_req_masked & (cpuif_addr == 8'h40);
-        asked_reg_strb.job.window = cpuif_req_masked & (cpuif_addr == 8'h44);
-        asked_reg_strb.job.search = cpuif_req_masked & (cpuif_addr == 8'h48);
-        asked_reg_strb.job.offsets = cpuif_req_masked & (cpuif_addr == 8'h4c);
-        asked_reg_strb.job.grid = cpuif_req_masked & (cpuif_addr == 8'h50);
-        asked_reg_strb.job.step = cpuif_req_masked & (cpuif_addr == 8'h54);
-        asked_reg_strb.job.submit = cpuif_req_masked & (cpuif_addr == 8'h58);
+        asked_reg_strb.job.tpl = cpuif_req_masked & (cpuif_addr == 8'h40) & cpuif_req_is_wr;
+        asked_reg_strb.job.window = cpuif_req_masked & (cpuif_addr == 8'h44) & cpuif_req_is_wr;
+        asked_reg_strb.job.search = cpuif_req_masked & (cpuif_addr == 8'h48) & cpuif_req_is_wr;
+        asked_reg_strb.job.offsets = cpuif_req_masked & (cpuif_addr == 8'h4c) & cpuif_req_is_wr;
+        asked_reg_strb.job.grid = cpuif_req_masked & (cpuif_addr == 8'h50) & cpuif_req_is_wr;
+        asked_reg_strb.job.step = cpuif_req_masked & (cpuif_addr == 8'h54) & cpuif_req_is_wr;
+        asked_reg_strb.job.submit = cpuif_req_masked & (cpuif_addr == 8'h58) & cpuif_req_is_wr;
         asked_reg_strb.job.status = cpuif_req_masked & (cpuif_addr == 8'h5c) & !cpuif_req_is_wr;
-        asked_reg_strb.result.pop = cpuif_req_masked & (cpuif_addr == 8'h60);
+        asked_reg_strb.result.pop = cpuif_req_masked & (cpuif_addr == 8'h60) & cpuif_req_is_wr;
         asked_reg_strb.result.head = cpuif_req_masked & (cpuif_addr == 8'h64) & !cpuif_req_is_wr;
         asked_reg_strb.result.best = cpuif_req_masked & (cpuif_addr == 8'h68) & !cpuif_req_is_wr;
         asked_reg_strb.result.scores = cpuif_req_masked & (cpuif_addr == 8'h6c) & !cpuif_req_is_wr;
         for(int i0=0; i0<4; i0++) begin
             asked_reg_strb.result.neighbour[i0] = cpuif_req_masked & (cpuif_addr == 8'h70 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
         end
-        asked_reg_strb.peek_address = cpuif_req_masked & (cpuif_addr == 8'h80);
+        asked_reg_strb.peek_address = cpuif_req_masked & (cpuif_addr == 8'h80) & cpuif_req_is_wr;
         asked_reg_strb.peek_data = cpuif_req_masked & (cpuif_addr == 8'h84) & !cpuif_req_is_wr;
-        asked_reg_strb.irq_status = cpuif_req_masked & (cpuif_addr == 8'h90);
-        asked_reg_strb.irq_enable = cpuif_req_masked & (cpuif_addr == 8'h94);
+        asked_reg_strb.irq_status = cpuif_req_masked & (cpuif_addr == 8'h90) & cpuif_req_is_wr;
+        asked_reg_strb.irq_enable = cpuif_req_masked & (cpuif_addr == 8'h94) & cpuif_req_is_wr;
         asked_reg_strb.counter.clocks = cpuif_req_masked & (cpuif_addr == 8'ha0) & !cpuif_req_is_wr;
         asked_reg_strb.counter.busy = cpuif_req_masked & (cpuif_addr == 8'ha4) & !cpuif_req_is_wr;
         asked_reg_strb.counter.scores = cpuif_req_masked & (cpuif_addr == 8'ha8) & !cpuif_req_is_wr;
@@ -173,13 +173,21 @@ module slog_csr (
 
     // Pass down signals to next stage
     assign decoded_addr = cpuif_addr;
+    // The words that are read, by address; the strobes are those of writes where there is something to write.
+    logic [63:0] asked_read, found_read, decoded_read;
+    logic found_req;
+    assign asked_read = (cpuif_req_masked & ~cpuif_req_is_wr) ? 64'd1 << cpuif_addr[7:2] : '0;
     always_ff @(posedge clk) begin
-        decoded_req <= rst ? '0 : cpuif_req_masked;
-        decoded_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
+        found_req <= rst ? '0 : cpuif_req_masked;
+        found_read <= rst ? '0 : asked_read;
+        found_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
+        decoded_req <= rst ? '0 : found_req;
+        decoded_read <= rst ? '0 : found_read;
+        decoded_reg_strb <= rst ? '{default: '0} : found_reg_strb;
+        decoded_wr_data <= cpuif_wr_data;
+        decoded_wr_biten <= cpuif_wr_biten;
     end
     assign decoded_req_is_wr = cpuif_req_is_wr;
-    assign decoded_wr_data = cpuif_wr_data;
-    assign decoded_wr_biten = cpuif_wr_biten;
 
     //--------------------------------------------------------------------------
     // Field logic
@@ -532,7 +540,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.image_size.width.value;
         load_next_c = '0;
-        if(decoded_reg_strb.image_size && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.image_size) begin // SW write
             next_c = (field_storage.image_size.width.value & ~decoded_wr_biten[9:0]) | (decoded_wr_data[9:0] & decoded_wr_biten[9:0]);
             load_next_c = '1;
         end
@@ -555,7 +563,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.image_size.height.value;
         load_next_c = '0;
-        if(decoded_reg_strb.image_size && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.image_size) begin // SW write
             next_c = (field_storage.image_size.height.value & ~decoded_wr_biten[25:16]) | (decoded_wr_data[25:16] & decoded_wr_biten[25:16]);
             load_next_c = '1;
         end
@@ -578,7 +586,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.coef.value.value;
         load_next_c = '0;
-        if(decoded_reg_strb.coef && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.coef) begin // SW write
             next_c = (field_storage.coef.value.value & ~decoded_wr_biten[17:0]) | (decoded_wr_data[17:0] & decoded_wr_biten[17:0]);
             load_next_c = '1;
         end
@@ -601,7 +609,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.coef.second.value;
         load_next_c = '0;
-        if(decoded_reg_strb.coef && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.coef) begin // SW write
             next_c = (field_storage.coef.second.value & ~decoded_wr_biten[20:20]) | (decoded_wr_data[20:20] & decoded_wr_biten[20:20]);
             load_next_c = '1;
         end
@@ -624,7 +632,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.coef.index.value;
         load_next_c = '0;
-        if(decoded_reg_strb.coef && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.coef) begin // SW write
             next_c = (field_storage.coef.index.value & ~decoded_wr_biten[28:24]) | (decoded_wr_data[28:24] & decoded_wr_biten[28:24]);
             load_next_c = '1;
         end
@@ -647,7 +655,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.coef.go.value;
         load_next_c = '0;
-        if(decoded_reg_strb.coef && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.coef) begin // SW write
             next_c = (field_storage.coef.go.value & ~decoded_wr_biten[31:31]) | (decoded_wr_data[31:31] & decoded_wr_biten[31:31]);
             load_next_c = '1;
         end else begin // singlepulse clears back to 0
@@ -673,7 +681,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.filter.go.value;
         load_next_c = '0;
-        if(decoded_reg_strb.filter && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.filter) begin // SW write
             next_c = (field_storage.filter.go.value & ~decoded_wr_biten[31:31]) | (decoded_wr_data[31:31] & decoded_wr_biten[31:31]);
             load_next_c = '1;
         end else begin // singlepulse clears back to 0
@@ -699,7 +707,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.capture.slot.value;
         load_next_c = '0;
-        if(decoded_reg_strb.capture && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.capture) begin // SW write
             next_c = (field_storage.capture.slot.value & ~decoded_wr_biten[2:0]) | (decoded_wr_data[2:0] & decoded_wr_biten[2:0]);
             load_next_c = '1;
         end
@@ -722,7 +730,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.capture.camera.value;
         load_next_c = '0;
-        if(decoded_reg_strb.capture && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.capture) begin // SW write
             next_c = (field_storage.capture.camera.value & ~decoded_wr_biten[8:8]) | (decoded_wr_data[8:8] & decoded_wr_biten[8:8]);
             load_next_c = '1;
         end
@@ -745,7 +753,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.capture.cancel.value;
         load_next_c = '0;
-        if(decoded_reg_strb.capture && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.capture) begin // SW write
             next_c = (field_storage.capture.cancel.value & ~decoded_wr_biten[16:16]) | (decoded_wr_data[16:16] & decoded_wr_biten[16:16]);
             load_next_c = '1;
         end
@@ -768,7 +776,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.capture.go.value;
         load_next_c = '0;
-        if(decoded_reg_strb.capture && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.capture) begin // SW write
             next_c = (field_storage.capture.go.value & ~decoded_wr_biten[31:31]) | (decoded_wr_data[31:31] & decoded_wr_biten[31:31]);
             load_next_c = '1;
         end else begin // singlepulse clears back to 0
@@ -794,7 +802,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.tpl.x.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.tpl && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.tpl) begin // SW write
             next_c = (field_storage.job.tpl.x.value & ~decoded_wr_biten[9:0]) | (decoded_wr_data[9:0] & decoded_wr_biten[9:0]);
             load_next_c = '1;
         end
@@ -817,7 +825,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.tpl.y.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.tpl && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.tpl) begin // SW write
             next_c = (field_storage.job.tpl.y.value & ~decoded_wr_biten[21:12]) | (decoded_wr_data[21:12] & decoded_wr_biten[21:12]);
             load_next_c = '1;
         end
@@ -840,7 +848,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.tpl.slot.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.tpl && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.tpl) begin // SW write
             next_c = (field_storage.job.tpl.slot.value & ~decoded_wr_biten[26:24]) | (decoded_wr_data[26:24] & decoded_wr_biten[26:24]);
             load_next_c = '1;
         end
@@ -863,7 +871,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.window.width.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.window && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.window) begin // SW write
             next_c = (field_storage.job.window.width.value & ~decoded_wr_biten[7:0]) | (decoded_wr_data[7:0] & decoded_wr_biten[7:0]);
             load_next_c = '1;
         end
@@ -886,7 +894,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.window.height.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.window && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.window) begin // SW write
             next_c = (field_storage.job.window.height.value & ~decoded_wr_biten[23:16]) | (decoded_wr_data[23:16] & decoded_wr_biten[23:16]);
             load_next_c = '1;
         end
@@ -909,7 +917,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.search.x.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.search && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.search) begin // SW write
             next_c = (field_storage.job.search.x.value & ~decoded_wr_biten[9:0]) | (decoded_wr_data[9:0] & decoded_wr_biten[9:0]);
             load_next_c = '1;
         end
@@ -932,7 +940,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.search.y.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.search && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.search) begin // SW write
             next_c = (field_storage.job.search.y.value & ~decoded_wr_biten[21:12]) | (decoded_wr_data[21:12] & decoded_wr_biten[21:12]);
             load_next_c = '1;
         end
@@ -955,7 +963,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.search.slot.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.search && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.search) begin // SW write
             next_c = (field_storage.job.search.slot.value & ~decoded_wr_biten[26:24]) | (decoded_wr_data[26:24] & decoded_wr_biten[26:24]);
             load_next_c = '1;
         end
@@ -978,7 +986,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.offsets.across.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.offsets && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.offsets) begin // SW write
             next_c = (field_storage.job.offsets.across.value & ~decoded_wr_biten[9:0]) | (decoded_wr_data[9:0] & decoded_wr_biten[9:0]);
             load_next_c = '1;
         end
@@ -1001,7 +1009,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.offsets.down.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.offsets && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.offsets) begin // SW write
             next_c = (field_storage.job.offsets.down.value & ~decoded_wr_biten[25:16]) | (decoded_wr_data[25:16] & decoded_wr_biten[25:16]);
             load_next_c = '1;
         end
@@ -1024,7 +1032,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.grid.across.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.grid && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.grid) begin // SW write
             next_c = (field_storage.job.grid.across.value & ~decoded_wr_biten[9:0]) | (decoded_wr_data[9:0] & decoded_wr_biten[9:0]);
             load_next_c = '1;
         end
@@ -1047,7 +1055,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.grid.down.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.grid && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.grid) begin // SW write
             next_c = (field_storage.job.grid.down.value & ~decoded_wr_biten[25:16]) | (decoded_wr_data[25:16] & decoded_wr_biten[25:16]);
             load_next_c = '1;
         end
@@ -1070,7 +1078,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.step.x.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.step && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.step) begin // SW write
             next_c = (field_storage.job.step.x.value & ~decoded_wr_biten[9:0]) | (decoded_wr_data[9:0] & decoded_wr_biten[9:0]);
             load_next_c = '1;
         end
@@ -1093,7 +1101,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.step.y.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.step && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.step) begin // SW write
             next_c = (field_storage.job.step.y.value & ~decoded_wr_biten[25:16]) | (decoded_wr_data[25:16] & decoded_wr_biten[25:16]);
             load_next_c = '1;
         end
@@ -1116,7 +1124,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.submit.tag.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.submit && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.submit) begin // SW write
             next_c = (field_storage.job.submit.tag.value & ~decoded_wr_biten[15:0]) | (decoded_wr_data[15:0] & decoded_wr_biten[15:0]);
             load_next_c = '1;
         end
@@ -1139,7 +1147,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.submit.surface.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.submit && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.submit) begin // SW write
             next_c = (field_storage.job.submit.surface.value & ~decoded_wr_biten[16:16]) | (decoded_wr_data[16:16] & decoded_wr_biten[16:16]);
             load_next_c = '1;
         end
@@ -1162,7 +1170,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.job.submit.go.value;
         load_next_c = '0;
-        if(decoded_reg_strb.job.submit && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.job.submit) begin // SW write
             next_c = (field_storage.job.submit.go.value & ~decoded_wr_biten[31:31]) | (decoded_wr_data[31:31] & decoded_wr_biten[31:31]);
             load_next_c = '1;
         end else begin // singlepulse clears back to 0
@@ -1188,7 +1196,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.result.pop.go.value;
         load_next_c = '0;
-        if(decoded_reg_strb.result.pop && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.result.pop) begin // SW write
             next_c = (field_storage.result.pop.go.value & ~decoded_wr_biten[31:31]) | (decoded_wr_data[31:31] & decoded_wr_biten[31:31]);
             load_next_c = '1;
         end else begin // singlepulse clears back to 0
@@ -1214,7 +1222,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.peek_address.word.value;
         load_next_c = '0;
-        if(decoded_reg_strb.peek_address && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.peek_address) begin // SW write
             next_c = (field_storage.peek_address.word.value & ~decoded_wr_biten[23:0]) | (decoded_wr_data[23:0] & decoded_wr_biten[23:0]);
             load_next_c = '1;
         end
@@ -1237,7 +1245,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.peek_address.go.value;
         load_next_c = '0;
-        if(decoded_reg_strb.peek_address && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.peek_address) begin // SW write
             next_c = (field_storage.peek_address.go.value & ~decoded_wr_biten[31:31]) | (decoded_wr_data[31:31] & decoded_wr_biten[31:31]);
             load_next_c = '1;
         end else begin // singlepulse clears back to 0
@@ -1267,7 +1275,7 @@ module slog_csr (
         if(hwif_in.irq_status.capture.next) begin // stickybit
             next_c = '1;
             load_next_c = '1;
-        end else if(decoded_reg_strb.irq_status && decoded_req_is_wr) begin // SW write 1 clear
+        end else if(decoded_reg_strb.irq_status) begin // SW write 1 clear
             next_c = field_storage.irq_status.capture.value & ~(decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
             load_next_c = '1;
         end
@@ -1293,7 +1301,7 @@ module slog_csr (
         if(hwif_in.irq_status.drop.next) begin // stickybit
             next_c = '1;
             load_next_c = '1;
-        end else if(decoded_reg_strb.irq_status && decoded_req_is_wr) begin // SW write 1 clear
+        end else if(decoded_reg_strb.irq_status) begin // SW write 1 clear
             next_c = field_storage.irq_status.drop.value & ~(decoded_wr_data[2:2] & decoded_wr_biten[2:2]);
             load_next_c = '1;
         end
@@ -1319,7 +1327,7 @@ module slog_csr (
         if(hwif_in.irq_status.overflow.next) begin // stickybit
             next_c = '1;
             load_next_c = '1;
-        end else if(decoded_reg_strb.irq_status && decoded_req_is_wr) begin // SW write 1 clear
+        end else if(decoded_reg_strb.irq_status) begin // SW write 1 clear
             next_c = field_storage.irq_status.overflow.value & ~(decoded_wr_data[3:3] & decoded_wr_biten[3:3]);
             load_next_c = '1;
         end
@@ -1342,7 +1350,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.irq_enable.result.value;
         load_next_c = '0;
-        if(decoded_reg_strb.irq_enable && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.irq_enable) begin // SW write
             next_c = (field_storage.irq_enable.result.value & ~decoded_wr_biten[0:0]) | (decoded_wr_data[0:0] & decoded_wr_biten[0:0]);
             load_next_c = '1;
         end
@@ -1365,7 +1373,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.irq_enable.capture.value;
         load_next_c = '0;
-        if(decoded_reg_strb.irq_enable && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.irq_enable) begin // SW write
             next_c = (field_storage.irq_enable.capture.value & ~decoded_wr_biten[1:1]) | (decoded_wr_data[1:1] & decoded_wr_biten[1:1]);
             load_next_c = '1;
         end
@@ -1388,7 +1396,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.irq_enable.drop.value;
         load_next_c = '0;
-        if(decoded_reg_strb.irq_enable && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.irq_enable) begin // SW write
             next_c = (field_storage.irq_enable.drop.value & ~decoded_wr_biten[2:2]) | (decoded_wr_data[2:2] & decoded_wr_biten[2:2]);
             load_next_c = '1;
         end
@@ -1411,7 +1419,7 @@ module slog_csr (
         automatic logic load_next_c;
         next_c = field_storage.irq_enable.overflow.value;
         load_next_c = '0;
-        if(decoded_reg_strb.irq_enable && decoded_req_is_wr) begin // SW write
+        if(decoded_reg_strb.irq_enable) begin // SW write
             next_c = (field_storage.irq_enable.overflow.value & ~decoded_wr_biten[3:3]) | (decoded_wr_data[3:3] & decoded_wr_biten[3:3]);
             load_next_c = '1;
         end
@@ -1444,7 +1452,7 @@ module slog_csr (
     logic readback_err;
     logic readback_done;
     logic [31:0] readback_data;
-    // Every word of the map; then one of four three times, with a register behind the first two.
+    // Every word of the map; then four times the OR of four, the first of the one that is read and of zeros.
     logic [31:0] readback_word[64];
     always_comb begin
         automatic logic [31:0] readback_data_var;
@@ -1621,12 +1629,18 @@ module slog_csr (
     end
     logic [31:0] readback_four[16];
     logic [31:0] readback_sixteen[4];
+    logic readback_read;
     always_ff @(posedge clk) begin
-        for(int i=0; i<16; i++) readback_four[i] <= readback_word[{i[3:0], decoded_addr[3:2]}];
-        for(int i=0; i<4; i++) readback_sixteen[i] <= readback_four[{i[1:0], decoded_addr[5:4]}];
-        readback_done <= rst ? '0 : decoded_req & ~decoded_req_is_wr;
+        for(int i=0; i<16; i++) readback_four[i] <= (readback_word[4*i] & {32{decoded_read[4*i]}})
+                                                  | (readback_word[4*i+1] & {32{decoded_read[4*i+1]}})
+                                                  | (readback_word[4*i+2] & {32{decoded_read[4*i+2]}})
+                                                  | (readback_word[4*i+3] & {32{decoded_read[4*i+3]}});
+        for(int i=0; i<4; i++) readback_sixteen[i] <= readback_four[4*i] | readback_four[4*i+1]
+                                                    | readback_four[4*i+2] | readback_four[4*i+3];
+        readback_read <= rst ? '0 : decoded_req & ~decoded_req_is_wr;
+        readback_done <= rst ? '0 : readback_read;
     end
-    assign readback_data = readback_sixteen[decoded_addr[7:6]];
+    assign readback_data = readback_sixteen[0] | readback_sixteen[1] | readback_sixteen[2] | readback_sixteen[3];
     assign readback_err = '0;
 
     assign cpuif_rd_ack = readback_done;
