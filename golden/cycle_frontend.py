@@ -85,6 +85,7 @@ class VideoInModel:
         self.out: _Output | None = None
         self.pipe = [_Issue(), _Issue()]
         self.accepted = 0
+        self.hold = 0
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -95,7 +96,7 @@ class VideoInModel:
         self.reads = [line.pixels[self.tick.col] if self.tick and line else None, self.reads[0]]
         reading = self.tick is not None and self.tick.line is not None
         ready = (len(self.ring) + reading + (event.commit is not None) != LINES
-                 and not (i["hold_i"] and self.state != "active"))
+                 and not (self.hold and self.state != "active"))
         out: Bits = {
             "tready_o": int(ready), **self.px, "px_valid_o": shown.valid, "px_data_o": self.data,
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
@@ -120,6 +121,7 @@ class VideoInModel:
         self.pipe = [issue, self.pipe[0]]
         self.accepted = int(issue.px.get("px_done_o") or 0)
         self.event = self._receive(i) if ready and i["tvalid_i"] else _Event()
+        self.hold = i["hold_i"]
         return out
 
     def _receive(self, i: dict[str, int]) -> _Event:
@@ -246,7 +248,7 @@ class FrontendModel:
         self.video = VideoInModel(radius)
         self.log = LogModel(max_width, radius)
         self.packer = PackerModel(group_bits)
-        self.video_busy: deque[int | None] = deque([0] * 2, 2)
+        self.video_busy: deque[int | None] = deque([0] * 3, 3)
         self.log_busy: deque[int | None] = deque([0] * 3, 3)
 
     def step(self, i: dict[str, int]) -> Bits:
@@ -256,11 +258,11 @@ class FrontendModel:
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})
-        busy = int(any(self.video_busy) or any(self.log_busy))
+        busy = int(any(self.video_busy) or any([*self.log_busy][:2]))
         self.video_busy.append(video["busy_o"])
         self.log_busy.append(bit["busy_o"])
         if i["rst_i"]:
-            self.video_busy.extend([0] * 2)
+            self.video_busy.extend([0] * 3)
             self.log_busy.extend([0] * 3)
         return {"tready_o": video["tready_o"], "busy_o": busy, **word,
                 "accepted_o": video["accepted_o"], "dropped_o": video["dropped_o"]}

@@ -6,7 +6,8 @@
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
 // Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out. busy_o shows
-//              a frame from 2 clocks after its first beat to 1 after its end, so hold_i must have been up for a while.
+//              a frame from 2 clocks after its first beat to 1 after its end, and hold_i acts a clock later, so it must
+//              have been up for a while.
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
     parameter int unsigned Radius    = 8,
@@ -124,19 +125,19 @@ module slog_frontend #(
   );
 
   // The LoG shows what has left the video in, and the packer still holds what has left the LoG, some clocks later.
-  logic video_busy_q, log_busy_q, log_busy_q2, rest_busy_q;
+  logic video_busy_q, log_busy_q, rest_busy_q, busy_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       video_busy_q <= 1'b0;
       log_busy_q   <= 1'b0;
-      log_busy_q2  <= 1'b0;
       rest_busy_q  <= 1'b0;
+      busy_q       <= 1'b0;
     end else begin
       video_busy_q <= video_busy;
       log_busy_q   <= log_busy;
-      log_busy_q2  <= log_busy_q;
-      rest_busy_q  <= video_busy_q || log_busy || log_busy_q || log_busy_q2;
+      rest_busy_q  <= video_busy_q || log_busy || log_busy_q;
+      busy_q       <= video_busy || video_busy_q || rest_busy_q;
     end
   end
-  assign busy_o = video_busy_q || rest_busy_q;
+  assign busy_o = busy_q;
 endmodule : slog_frontend
