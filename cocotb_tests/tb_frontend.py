@@ -87,7 +87,6 @@ async def settings_change_in_hold(dut) -> None:
     def stimulus() -> Stimulus:
         for batch, (w, h, sigma) in zip(items, runs, strict=True):
             yield from play(batch, settings(w, h, sigma), willing("random", rng), rng)
-            yield {**settings(w, h, sigma), "hold_i": 1}
             for _ in range(20):  # an impatient source
                 out = yield {**settings(w, h, sigma), "hold_i": 1, "tvalid_i": 1, "tuser_i": 1, "tdata_i": 1}
                 assert not out["tready_o"]

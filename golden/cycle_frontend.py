@@ -85,7 +85,6 @@ class VideoInModel:
         self.out: _Output | None = None
         self.pipe = [_Issue(), _Issue()]
         self.accepted = 0
-        self.hold = 0
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -96,7 +95,7 @@ class VideoInModel:
         self.reads = [line.pixels[self.tick.col] if self.tick and line else None, self.reads[0]]
         reading = self.tick is not None and self.tick.line is not None
         ready = (len(self.ring) + reading + (event.commit is not None) != LINES
-                 and not (self.hold and self.state != "active"))
+                 and not (i["hold_i"] and self.state != "active"))
         out: Bits = {
             "tready_o": int(ready), **self.px, "px_valid_o": shown.valid, "px_data_o": self.data,
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
@@ -121,7 +120,6 @@ class VideoInModel:
         self.pipe = [issue, self.pipe[0]]
         self.accepted = int(issue.px.get("px_done_o") or 0)
         self.event = self._receive(i) if ready and i["tvalid_i"] else _Event()
-        self.hold = i["hold_i"]
         return out
 
     def _receive(self, i: dict[str, int]) -> _Event:

@@ -6,8 +6,7 @@
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
 // Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out. busy_o shows
-//              a frame from 2 clocks after its first beat to 1 after its end, and hold_i acts a clock later, so it must
-//              have been up for a while.
+//              a frame from 2 clocks after its first beat to 1 after its end, so hold_i must have been up for a while.
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
     parameter int unsigned Radius    = 8,

@@ -8,7 +8,7 @@
 // Latency    : last pixel of a line accepted in clock t: its first pixel comes (px_valid_o) in clock t + 5, if idle.
 //              dropped_o comes 2 clocks after the beat that tells.
 // Throughput : one pixel per clock, no blanking. tready_o is low only while the ring is full or,
-//              between frames, from 1 clock after hold_i's begin to 1 after its end.
+//              between frames, in hold_i.
 // Frames     : a line that ends early or late, a start of frame before the last line's end, a pixel without start of
 //              frame behind the last line: the frame is dropped whole, unless its last pixel has been issued already.
 //              Then pixels are ignored up to the next start of frame. A dropped frame, or run of strays, counts once.
@@ -74,7 +74,6 @@ module slog_video_in #(
   // ---- Receiver: judges every beat. Its verdicts (event_*) reach the scheduler one clock later.
   logic active_q, closed_q;  // in a frame; between frames. Neither: pixels are ignored
   logic full_q;              // the ring has no room
-  logic hold_q;
   logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
   logic at_end_q;            // the next pixel is a line's last, in a frame
   logic last_row_q;          // the line received is a frame's last
@@ -82,20 +81,19 @@ module slog_video_in #(
   logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
   logic event_last_q;        // the beat ended a line
 
-  assign tready_o = !full_q && !(hold_q && !active_q);
+  assign tready_o = !full_q && !(hold_i && !active_q);
   assign come     = tvalid_i && room_q;  // a beat, unless held back
-  assign beat     = tvalid_i && !full_q && !(hold_q && outside_q);
-  assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_q));
+  assign beat     = tvalid_i && !full_q && !(hold_i && outside_q);
+  assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
   assign good_end = come && at_end_q && !tuser_i && tlast_i;
-  assign active   = tuser_i ? !tlast_i && !(hold_q && outside_q)
+  assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q)
                     : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
-  assign wr_en    = come && (active_q || (tuser_i && !hold_q));
+  assign wr_en    = come && (active_q || (tuser_i && !hold_i));
   // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      hold_q         <= 1'b0;
       active_q       <= 1'b0;
       outside_q      <= 1'b1;
       closed_q       <= 1'b1;
@@ -105,7 +103,6 @@ module slog_video_in #(
       drop_owed_q    <= 1'b0;
       dropped_q      <= 1'b0;
     end else begin
-      hold_q <= hold_i;
       if (come) begin
         active_q  <= active;
         outside_q <= !active;
