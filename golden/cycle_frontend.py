@@ -246,7 +246,7 @@ class FrontendModel:
         self.video = VideoInModel(radius)
         self.log = LogModel(max_width, radius)
         self.packer = PackerModel(group_bits)
-        self.video_busy: deque[int | None] = deque([0] * 2, 2)
+        self.video_busy: deque[int | None] = deque([0] * 3, 3)
         self.log_busy: deque[int | None] = deque([0] * 3, 3)
 
     def step(self, i: dict[str, int]) -> Bits:
@@ -256,11 +256,11 @@ class FrontendModel:
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})
-        busy = int(any(self.video_busy) or any(self.log_busy))
+        busy = int(any(self.video_busy) or any([*self.log_busy][:2]))
         self.video_busy.append(video["busy_o"])
         self.log_busy.append(bit["busy_o"])
         if i["rst_i"]:
-            self.video_busy.extend([0] * 2)
+            self.video_busy.extend([0] * 3)
             self.log_busy.extend([0] * 3)
         return {"tready_o": video["tready_o"], "busy_o": busy, **word,
                 "accepted_o": video["accepted_o"], "dropped_o": video["dropped_o"]}

@@ -124,19 +124,19 @@ module slog_frontend #(
   );
 
   // The LoG shows what has left the video in, and the packer still holds what has left the LoG, some clocks later.
-  logic video_busy_q, log_busy_q, log_busy_q2, rest_busy_q;
+  logic video_busy_q, log_busy_q, rest_busy_q, busy_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       video_busy_q <= 1'b0;
       log_busy_q   <= 1'b0;
-      log_busy_q2  <= 1'b0;
       rest_busy_q  <= 1'b0;
+      busy_q       <= 1'b0;
     end else begin
       video_busy_q <= video_busy;
       log_busy_q   <= log_busy;
-      log_busy_q2  <= log_busy_q;
-      rest_busy_q  <= video_busy_q || log_busy || log_busy_q || log_busy_q2;
+      rest_busy_q  <= video_busy_q || log_busy || log_busy_q;
+      busy_q       <= video_busy || video_busy_q || rest_busy_q;
     end
   end
-  assign busy_o = video_busy_q || rest_busy_q;
+  assign busy_o = busy_q;
 endmodule : slog_frontend

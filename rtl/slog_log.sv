@@ -45,36 +45,36 @@ module slog_log #(
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap
   localparam int unsigned SumH       = 36;
+  localparam int unsigned LeftW      = $clog2(Latency + 1);
 
   // What goes along with the pixels. [k]: k + 1 clocks after px_*.
-  logic [ToTaps-1:0]  first_q;
-  logic [Latency-1:0] out_q, last_q, live_q, start_q, done_q, abort_q;
-  logic               out_some_q, live_some_q, abort_some_q;  // out_q, live_q, abort_q are not 0
-  logic               busy_q;
+  logic [ToTaps-1:0]  out_q, first_q;
+  logic [Latency-1:0] last_q, live_q, start_q, done_q, abort_q;
+  logic [LeftW-1:0]   left_q;  // clocks until the last that came has left
+  logic               come, busy_q;
+
+  assign come = (px_valid_i && px_out_i) || px_live_i || px_abort_i;
 
   always_ff @(posedge clk_i) begin
     first_q <= {first_q[ToTaps-2:0], px_first_i};
     last_q  <= {last_q[Latency-2:0], px_last_i};
     if (rst_i) begin
-      out_q        <= '0;
-      live_q       <= '0;
-      start_q      <= '0;
-      done_q       <= '0;
-      abort_q      <= '0;
-      out_some_q   <= 1'b0;
-      live_some_q  <= 1'b0;
-      abort_some_q <= 1'b0;
-      busy_q       <= 1'b0;
+      out_q   <= '0;
+      live_q  <= '0;
+      start_q <= '0;
+      done_q  <= '0;
+      abort_q <= '0;
+      left_q  <= '0;
+      busy_q  <= 1'b0;
     end else begin
-      out_q        <= {out_q[Latency-2:0], px_valid_i && px_out_i};
-      live_q       <= {live_q[Latency-2:0], px_live_i};
-      start_q      <= {start_q[Latency-2:0], px_start_i};
-      done_q       <= {done_q[Latency-2:0], px_done_i};
-      abort_q      <= {abort_q[Latency-2:0], px_abort_i};
-      out_some_q   <= out_q[Latency-2:0] != '0 || (px_valid_i && px_out_i);
-      live_some_q  <= live_q[Latency-2:0] != '0 || px_live_i;
-      abort_some_q <= abort_q[Latency-2:0] != '0 || px_abort_i;
-      busy_q       <= out_some_q || live_some_q || abort_some_q;
+      out_q   <= {out_q[ToTaps-2:0], px_valid_i && px_out_i};
+      live_q  <= {live_q[Latency-2:0], px_live_i};
+      start_q <= {start_q[Latency-2:0], px_start_i};
+      done_q  <= {done_q[Latency-2:0], px_done_i};
+      abort_q <= {abort_q[Latency-2:0], px_abort_i};
+      busy_q  <= left_q != '0;
+      if (come) left_q <= LeftW'(Latency);
+      else if (left_q != '0) left_q <= left_q - 1'b1;
     end
   end
 
