@@ -51,7 +51,7 @@ async def windows(dut, bubbles: str) -> None:
 @cocotb.test()
 async def reset_in_mid_pass(dut) -> None:
     """Two resets while passes are in flight; the memories keep their words, scores in flight are gone."""
-    traffic, stimulus = work(random.Random(cocotb.RANDOM_SEED), "random", 6, 4)
+    traffic, stimulus = work(random.Random(cocotb.RANDOM_SEED), "random", 10, 4)
     scores = resets = 0
 
     def watch(i: Inputs, out: Outputs) -> None:

@@ -5,7 +5,7 @@ All counts are clocks from the clock in which `slog_operands`' step is valid; `g
 
 from __future__ import annotations
 
-OPERAND_LATENCY = 6
+OPERAND_LATENCY = 8
 """Step to the operand outputs."""
 WRITE_LATENCY = 1
 """Write of a word to the first step that may read it."""
@@ -26,9 +26,9 @@ def score_bits(group_bits: int) -> int:
 def core_latency(group_bits: int) -> int:
     """Operands at `slog_array` to the first mismatch of the pass that ends with them.
 
-    Hop 1, XOR 1, heap levels, accumulator `score_bits` (bit 0 first), lane selection 3.
+    Hop 1, XOR 1, heap levels, accumulator 1 + `score_bits` (bit 0 first), lane selection 3.
     """
-    return levels(group_bits) + score_bits(group_bits) + 5
+    return levels(group_bits) + score_bits(group_bits) + 6
 
 
 def array_latency(group_bits: int) -> int:

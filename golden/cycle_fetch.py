@@ -82,7 +82,8 @@ class FetchModel:
         side = None if aligned["out_side_o"] is None else self.sides[aligned["out_side_o"]]
         self.data = i["rd_data_i"]
         checked = self.check.step({**{k: i[k] for k in ("rst_i", "image_width_i", "image_height_i")},
-                                   "slot_valid_i": self.slot_valid, "start_i": int(self.state == "start"), "job_i": self.job})
+                                   "slot_valid_i": self.slot_valid, "start_i": int(self.state == "start"),
+                                   "job_i": self.job})
         self.slot_valid = i["slot_valid_i"]
         state = self.state
         out: dict[str, int | None] = {

@@ -4,12 +4,13 @@
 //
 // Slice i of a lane adds bit i of total and count and the carry that slice i-1 registered; extra is slice 0's carry.
 //
-// Stage  registers        valid at lane k, after the clock of first_i and extra_i
-//   1    carry_q[k][0]    1 + k: extra, held back to meet count bit 0
-//   1    first_q[k][i]    1 + k + i: a pass starts here: forget the total
-//   2    total_q[k][i]    2 + k + i
+// Stage  registers        valid at lane k, after the clock of extra_i
+//   1    extra_q count_q  1 + k, bit i: 2 + k + i; they come from where the lane is, the sums are where the scores go
+//   2    carry_q[k][0]    2 + k: extra, held back to meet count bit 0
+//   2    first_q[k][i]    2 + k + i: a pass starts here: forget the total
+//   3    total_q[k][i]    3 + k + i
 //
-// Latency    : count bit i to total bit i: 1 clock. Lane 0's count bit 0 comes the clock after its extra and first_i.
+// Latency    : count bit i to total bit i: 2 clocks. Lane 0's count bit 0 and first_i come the clock after its extra.
 // Throughput : one row per lane and clock. Everything holds while move_i is low.
 // Formats    : total unsigned, never above 2**ScoreBits - 1 within a pass.
 module slog_accumulator #(
@@ -25,6 +26,15 @@ module slog_accumulator #(
     output logic [ScoreBits-1:0] total_o[Lanes]
 );
   logic [ScoreBits-1:0] first_q[Lanes], total_q[Lanes], carry_q[Lanes];
+  logic [CountBits-1:0] count_q[Lanes];
+  logic                 extra_q[Lanes];
+
+  always_ff @(posedge clk_i) begin
+    if (move_i) begin
+      count_q <= count_i;
+      extra_q <= extra_i;
+    end
+  end
 
   always_ff @(posedge clk_i) begin
     if (move_i) begin
@@ -38,9 +48,9 @@ module slog_accumulator #(
       /* verilator unroll_disable */
       for (int unsigned k = 0; k < Lanes; k++) begin
         first[k] = {first_q[k][ScoreBits-2:0], behind[k]};
-        total[k] = (total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]) ^ carry_q[k];
-        carry[k] = ScoreBits'({((total_q[k] & ~first_q[k]) & ScoreBits'(count_i[k])) |
-                               (carry_q[k] & ((total_q[k] & ~first_q[k]) ^ ScoreBits'(count_i[k]))), extra_i[k]});
+        total[k] = (total_q[k] & ~first_q[k]) ^ ScoreBits'(count_q[k]) ^ carry_q[k];
+        carry[k] = ScoreBits'({((total_q[k] & ~first_q[k]) & ScoreBits'(count_q[k])) |
+                               (carry_q[k] & ((total_q[k] & ~first_q[k]) ^ ScoreBits'(count_q[k]))), extra_q[k]});
       end
       first_q <= first;
       total_q <= total;

@@ -8,9 +8,9 @@
 // Stage                 registers              valid at lane k, bit i after the operands' clock (L = Levels)
 //   hop, XOR            slog_lanes             2 + k
 //   heap of adders      slog_popcount          2 + L + k + i
-//   sum over rows       slog_accumulator       3 + L + k + i
-//   lane selection      slog_emit              6 + L + k + i
-//   deskewed score      mismatch_o             5 + L + ScoreBits + k = slog_array_pkg::core_latency + k
+//   sum over rows       slog_accumulator       4 + L + k + i
+//   lane selection      slog_emit              7 + L + k + i
+//   deskewed score      mismatch_o             6 + L + ScoreBits + k = slog_array_pkg::core_latency + k
 //
 // Throughput : one operand row of both groups per clock; one score per clock.
 // Rules      : operands are 0 where they must not count: all of them in clocks without valid_i, group B's in the odd
@@ -62,29 +62,29 @@ module slog_array #(
   );
 
   // The control bits wait for bit 0 of lane 0's count.
-  logic [Levels:0] first_q;
-  logic [Levels+1:0] last_q;
-  logic [Levels+1:0][LaneW-1:0] lanes_q;
+  logic [Levels+1:0] first_q;
+  logic [Levels+2:0] last_q;
+  logic [Levels+2:0][LaneW-1:0] lanes_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       first_q <= '0;
       last_q  <= '0;
     end else if (move_i) begin
-      first_q <= {first_q[Levels-1:0], valid_i && first_i};
-      last_q  <= {last_q[Levels:0], valid_i && last_i};
+      first_q <= {first_q[Levels:0], valid_i && first_i};
+      last_q  <= {last_q[Levels+1:0], valid_i && last_i};
     end
   end
   always_ff @(posedge clk_i) begin
     if (move_i) begin
-      lanes_q <= {lanes_q[Levels:0], lanes_i};
+      lanes_q <= {lanes_q[Levels+1:0], lanes_i};
     end
   end
 
   slog_accumulator #(.CountBits(CountBits), .ScoreBits(ScoreBits), .Lanes(Lanes)) u_accumulator (
-      .clk_i, .move_i, .first_i(first_q[Levels]), .extra_i(extra), .count_i(count), .total_o(total)
+      .clk_i, .move_i, .first_i(first_q[Levels+1]), .extra_i(extra), .count_i(count), .total_o(total)
   );
   slog_emit #(.ScoreBits(ScoreBits), .Lanes(Lanes)) u_emit (
-      .clk_i, .rst_i, .move_i, .last_i(last_q[Levels+1]), .lanes_i(lanes_q[Levels+1]), .total_i(total),
+      .clk_i, .rst_i, .move_i, .last_i(last_q[Levels+2]), .lanes_i(lanes_q[Levels+2]), .total_i(total),
       .mismatch_valid_o, .mismatch_o
   );
 endmodule : slog_array

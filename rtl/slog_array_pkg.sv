@@ -3,7 +3,7 @@
 // All counts are clocks from the clock in which slog_operands' step_i.valid is high.
 package slog_array_pkg;
   // step_i to the operand outputs.
-  localparam int unsigned OperandLatency = 6;
+  localparam int unsigned OperandLatency = 8;
   // wr_valid_i of a word to the first step_i that may read it.
   localparam int unsigned WriteLatency = 1;
   // step_i to the first wr_valid_i that may overwrite a word the step reads.
@@ -20,9 +20,9 @@ package slog_array_pkg;
   endfunction
 
   // Operand inputs of slog_array to the first mismatch_valid_o of the pass that ends with them:
-  // hop 1, XOR 1, heap levels, accumulator score_bits (bit 0 first), lane selection 3.
+  // hop 1, XOR 1, heap levels, accumulator 1 + score_bits (bit 0 first), lane selection 3.
   function automatic int unsigned core_latency(int unsigned group_bits);
-    return levels(group_bits) + score_bits(group_bits) + 5;
+    return levels(group_bits) + score_bits(group_bits) + 6;
   endfunction
 
   // Last step of a pass to its first mismatch_valid_o.

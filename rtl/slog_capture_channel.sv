@@ -98,22 +98,22 @@ module slog_capture_channel #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      held_q      <= 1'b0;
-      free_q      <= 1'b1;
-      serving_q   <= 1'b0;
-      wait_q      <= 1'b0;
-      checking_q  <= 1'b0;
-      writing_q   <= 1'b0;
-      finishing_q <= 1'b0;
-      clear_q     <= 1'b0;
-      pass_q      <= 1'b0;
-      give_q      <= 1'b0;
-      set_q       <= 1'b0;
-      left_q      <= 1'b0;
-      finish_q    <= 1'b0;
-      word_q      <= 1'b0;
-      came_q      <= 1'b0;
-      push_q      <= 1'b0;
+      held_q        <= 1'b0;
+      free_q        <= 1'b1;
+      serving_q     <= 1'b0;
+      wait_q        <= 1'b0;
+      checking_q    <= 1'b0;
+      writing_q     <= 1'b0;
+      finishing_q   <= 1'b0;
+      clear_q       <= 1'b0;
+      pass_q        <= 1'b0;
+      give_q        <= 1'b0;
+      set_q         <= 1'b0;
+      left_q        <= 1'b0;
+      finish_q      <= 1'b0;
+      word_q        <= 1'b0;
+      came_q        <= 1'b0;
+      push_q        <= 1'b0;
       frame_start_q <= 1'b0;
       frame_done_q  <= 1'b0;
       frame_abort_q <= 1'b0;
@@ -124,19 +124,19 @@ module slog_capture_channel #(
       frame_abort_q <= frame_abort_i;
       came_q        <= word_q;
       push_q        <= word_q && writing_q;
-      held_q      <= held;
-      free_q      <= !held;
-      serving_q   <= start || (serving_q && !back && !finish_q && !cancel_i);
-      wait_q      <= !cancel_i && (arm_i || back || (wait_q && !frame_start_q));
-      checking_q  <= start || (checking_q && !back && !pass_q && !cancel_i);
-      writing_q   <= !frame_abort_q && !cancel_i && ((checking_q && pass_q) || (writing_q && !frame_done_q));
-      finishing_q <= !cancel_i && ((writing_q && !frame_abort_q && frame_done_q) || (finishing_q && !finish_q));
-      clear_q     <= start;
-      pass_q      <= judge && !slot_busy_q;
-      give_q      <= judge && slot_busy_q;
-      set_q       <= restore || finish;
-      left_q      <= finishing_q && !push_q && !wr_valid_o;
-      finish_q    <= finish;
+      held_q        <= held;
+      free_q        <= !held;
+      serving_q     <= start || (serving_q && !back && !finish_q && !cancel_i);
+      wait_q        <= !cancel_i && (arm_i || back || (wait_q && !frame_start_q));
+      checking_q    <= start || (checking_q && !back && !pass_q && !cancel_i);
+      writing_q     <= !frame_abort_q && !cancel_i && ((checking_q && pass_q) || (writing_q && !frame_done_q));
+      finishing_q   <= !cancel_i && ((writing_q && !frame_abort_q && frame_done_q) || (finishing_q && !finish_q));
+      clear_q       <= start;
+      pass_q        <= judge && !slot_busy_q;
+      give_q        <= judge && slot_busy_q;
+      set_q         <= restore || finish;
+      left_q        <= finishing_q && !push_q && !wr_valid_o;
+      finish_q      <= finish;
     end
   end
 

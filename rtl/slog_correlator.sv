@@ -5,8 +5,8 @@
 //                              \---- contexts, grants --/
 // Latency    : see the blocks.
 // Throughput : one score per clock while a pass's steps are no more than its offsets.
-// Counters   : busy_o is high from the clock after a job is offered until it has been fetched and stepped; score_o once for
-//              every score.
+// Counters   : busy_o is high from two clocks after a job is offered until it has been fetched and stepped; score_o once
+//              for every score.
 module slog_correlator
   import slog_pkg::*, slog_fetch_pkg::*;
 #(
@@ -221,10 +221,16 @@ module slog_correlator
       .res_level_o
   );
 
+  logic [2:0] at_work_q;
   logic busy_q;
   always_ff @(posedge clk_i) begin
-    if (rst_i) busy_q <= 1'b0;
-    else busy_q <= job_valid_i || fetch_busy || sequencer_busy;
+    if (rst_i) begin
+      at_work_q <= '0;
+      busy_q    <= 1'b0;
+    end else begin
+      at_work_q <= {job_valid_i, fetch_busy, sequencer_busy};
+      busy_q    <= at_work_q != '0;
+    end
   end
   assign busy_o  = busy_q;
   assign score_o = mismatch_valid;

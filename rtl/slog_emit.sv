@@ -31,21 +31,29 @@ module slog_emit #(
   localparam int unsigned Pairs = (Lanes + 1) / 2;
   localparam int unsigned Fews  = (Pairs + 3) / 4;
 
-  logic [LaneW-1:0] left_q;  // lanes to come after the one marked now; counts on when there are none
-  logic more_q;              // there are some
+  // Lanes to come after the one marked now, which counts on when there are none, and whether there are some. The copies for
+  // the lanes further on follow one clock after another: the mark takes longer to get there.
+  localparam int unsigned Reach  = 8;  // lanes a copy serves
+  localparam int unsigned Copies = (Lanes + Reach - 1) / Reach;
+  logic [Copies-1:0][LaneW-1:0] left_q;
+  logic [Copies-1:0] more_q;
   logic [ScoreBits+2:0] valid_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      more_q  <= 1'b0;
+      more_q  <= '0;
       valid_q <= '0;
     end else if (move_i) begin
-      valid_q <= {valid_q[ScoreBits+1:0], last_i || more_q};
-      more_q  <= last_i ? lanes_i != LaneW'(1) : more_q && left_q != LaneW'(1);
+      valid_q   <= {valid_q[ScoreBits+1:0], last_i || more_q[0]};
+      more_q[0] <= last_i ? lanes_i != LaneW'(1) : more_q[0] && left_q[0] != LaneW'(1);
+      for (int unsigned c = 1; c < Copies; c++) more_q[c] <= more_q[c-1] && left_q[c-1] != LaneW'(1);
     end
   end
   always_ff @(posedge clk_i) begin
-    if (move_i) left_q <= last_i ? lanes_i - 1'b1 : left_q - 1'b1;
+    if (move_i) begin
+      left_q[0] <= last_i ? lanes_i - 1'b1 : left_q[0] - 1'b1;
+      for (int unsigned c = 1; c < Copies; c++) left_q[c] <= left_q[c-1] - 1'b1;
+    end
   end
 
   logic [ScoreBits-1:0] token_q[Lanes], pair_q[4*Fews], few_q[Fews], word_q;
@@ -56,7 +64,7 @@ module slog_emit #(
       static logic [ScoreBits-1:0] token[Lanes];
       behind[0] = last_i;
       /* verilator unroll_disable */
-      for (int unsigned k = 1; k < Lanes; k++) behind[k] = token_q[k-1][0] & more_q;
+      for (int unsigned k = 1; k < Lanes; k++) behind[k] = token_q[k-1][0] & more_q[k/Reach];
       /* verilator unroll_disable */
       for (int unsigned k = 0; k < Lanes; k++) token[k] = {token_q[k][ScoreBits-2:0], behind[k]};
       token_q <= token;
@@ -102,6 +110,6 @@ module slog_emit #(
   assign mismatch_valid_o = valid_q[ScoreBits+2];
   assign mismatch_o       = g_deskew[ScoreBits-1].bits;
 
-  `SLOG_ASSERT(SlogEmitOnePass, !(last_i && move_i && more_q))
+  `SLOG_ASSERT(SlogEmitOnePass, !(last_i && move_i && more_q[0]))
   `SLOG_ASSERT(SlogEmitLanes, !(last_i && move_i) || (lanes_i != '0 && lanes_i <= LaneW'(Lanes)))
 endmodule : slog_emit

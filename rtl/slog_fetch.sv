@@ -80,7 +80,11 @@ module slog_fetch
   // Check and plan.
   logic checked;
   logic [7:0] slot_valid_q;
-  always_ff @(posedge clk_i) slot_valid_q <= slot_valid_i;
+  logic start_q2;  // the plan has a start of its own, and time for it
+  always_ff @(posedge clk_i) begin
+    slot_valid_q <= slot_valid_i;
+    start_q2     <= start_q && !rst_i;
+  end
   status_e status;
   logic [ScoreW-1:0] area;
   // The address is as wide as the largest store's.
@@ -110,7 +114,7 @@ module slog_fetch
   ) u_plan (
       .clk_i,
       .rst_i,
-      .start_i (start_q),
+      .start_i (start_q2),
       .job_i   (job_q),
       .tpl_o   (tpl_plan),
       .search_o(search_plan)

@@ -100,23 +100,23 @@ module slog_job_check
       no_offsets_q <= none_across_q || none_down_q;
       bad_slot_q   <= !good_tpl_q[job_i.tpl_slot[2]] || !good_search_q[job_i.search_slot[2]];
       outside_q    <= tpl_out_q || tpl_below_q || out_q || below_q;
-      if (bad_window_q) status_q <= StatusBadWindow;
-      else if (no_offsets_q) status_q <= StatusNoOffsets;
-      else if (bad_slot_q) status_q <= StatusBadSlot;
-      else if (outside_q) status_q <= StatusOutside;
-      else status_q <= StatusOk;
+      // The first of these, as a gate for each bit.
+      status_q <= status_e'({!bad_window_q && !no_offsets_q && !bad_slot_q && outside_q,
+                             !bad_window_q && (no_offsets_q || bad_slot_q),
+                             bad_window_q || (!no_offsets_q && bad_slot_q)});
     end
   end
 
-  logic [7:0] factor_q;
+  logic [7:0] factor_q, width_q;
   logic [ScoreW-1:0] area_q;
   always_ff @(posedge clk_i) begin
     if (start_i) begin
       factor_q <= job_i.height;
+      width_q  <= job_i.width;
       area_q   <= '0;
     end else if (busy_q) begin
       factor_q <= factor_q << 1;
-      area_q   <= (area_q << 1) + (factor_q[7] ? ScoreW'(job_i.width) : '0);
+      area_q   <= (area_q << 1) + (factor_q[7] ? ScoreW'(width_q) : '0);
     end
   end
 

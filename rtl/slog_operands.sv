@@ -4,9 +4,11 @@
 //   tpl_a = low, tpl_b = high word of template row tpl_step; search row ring_row, its low and high part    (wide)
 //
 // Stage   registers            valid after the clock of step_i
-//   1-3   tpl_addr_q .. q3     1 .. 3: the templates need less time than the search rows
-//   5     template RAM output  5
-//   6     tpl_*_o, search_*_o, valid_o .. lanes_o, move_o    6 = slog_array_pkg::OperandLatency
+//   1     step_q               1
+//   2-5   tpl_addr_q .. q4     2 .. 5: the templates need less time than the search rows
+//   7     template RAM output  7
+//   8     tpl_*_o, search_*_o, valid_o .. lanes_o, move_o    8 = slog_array_pkg::OperandLatency
+// A word that is written is registered twice, too: at the door, and for each row parity of the ring and for the templates.
 //
 // Throughput : one step and one written word per clock.
 // Formats    : bit 0 is leftmost; search rows start at unit step_i.chunk of the ring row (units of GroupBits/2 bits).
@@ -53,22 +55,25 @@ module slog_operands #(
   `SLOG_ASSERT_INIT(SlogOperandsLanes, 2 * (Lanes - 1) == GroupBits)
   `SLOG_ASSERT_INIT(SlogOperandsRing, 2 ** RingW == RingRows && RingW <= 8 && WordsPerRow <= 16)
 
-  logic keep_a, keep_b, keep_a_q, keep_b_q;
-  slog_search_ring #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_search (
-      .clk_i,
-      .wr_valid_i(wr_valid_i && !wr_tpl_i),
-      .wr_row_i  (wr_row_i[RingW-1:0]),
-      .wr_word_i,
-      .wr_data_i,
-      .read_i    (step_i.valid),
-      .wide_i    (step_i.wide),
-      .row_i     (step_i.ring_row[RingW-1:0]),
-      .chunk_i   (step_i.chunk),
-      .keep_a_i  (keep_a),
-      .keep_b_i  (keep_b),
-      .a_o       (search_a_o),
-      .b_o       (search_b_o)
-  );
+  // At the door: the step, a word to be written, and where it goes.
+  slog_pkg::step_t step_q;
+  logic                 wr_even_q, wr_odd_q, wr_tpl_q, wr_high_q;
+  logic [StepW:0]       wr_addr_q;
+  logic [RingW-2:0]     wr_pair_q;
+  logic [3:0]           wr_word_q;
+  logic [GroupBits-1:0] wr_data_q;
+  always_ff @(posedge clk_i) begin
+    step_q    <= step_i;
+    if (rst_i) step_q.valid <= 1'b0;
+    wr_even_q <= wr_valid_i && !wr_tpl_i && !wr_row_i[0];
+    wr_odd_q  <= wr_valid_i && !wr_tpl_i && wr_row_i[0];
+    wr_tpl_q  <= wr_valid_i && wr_tpl_i;
+    wr_high_q <= wr_wide_i ? wr_word_i[0] : wr_row_i[0];
+    wr_addr_q <= {wr_bank_i, wr_wide_i ? wr_row_i[StepW-1:0] : StepW'(wr_row_i[StepW-1:1])};
+    wr_pair_q <= wr_row_i[RingW-1:1];
+    wr_word_q <= wr_word_i;
+    wr_data_q <= wr_data_i;
+  end
 
   // What travels with the operands, and the templates' addresses.
   typedef struct packed {
@@ -78,50 +83,74 @@ module slog_operands #(
     logic             row_b;
     logic [LaneW-1:0] lanes;
   } control_t;
-  control_t control_q, control_q2, control_q3, control_q4, control_q5, control_q6;
-  logic [StepW:0] tpl_addr_q, tpl_addr_q2, tpl_addr_q3;
+  control_t control_q, control_q2, control_q3, control_q4, control_q5, control_q6, control_q7;
+  logic both_q5;  // control_q5.valid && control_q5.row_b
+  logic [StepW:0] tpl_addr_q, tpl_addr_q2, tpl_addr_q3, tpl_addr_q4;
 
   always_ff @(posedge clk_i) begin
-    control_q  <= '{valid: step_i.valid && !rst_i, first: step_i.first, last: step_i.last, row_b: step_i.row_b,
-                    lanes: step_i.lanes[LaneW-1:0]};
+    control_q  <= '{valid: step_q.valid && !rst_i, first: step_q.first, last: step_q.last, row_b: step_q.row_b,
+                    lanes: step_q.lanes[LaneW-1:0]};
     control_q2 <= control_q;
     control_q3 <= control_q2;
     control_q4 <= control_q3;
     control_q5 <= control_q4;
     control_q6 <= control_q5;
+    control_q7 <= control_q6;
+    both_q5    <= control_q4.valid && control_q4.row_b && !rst_i;
     if (rst_i) begin
       control_q2.valid <= 1'b0;
       control_q3.valid <= 1'b0;
       control_q4.valid <= 1'b0;
       control_q5.valid <= 1'b0;
       control_q6.valid <= 1'b0;
+      control_q7.valid <= 1'b0;
     end
-    tpl_addr_q  <= {step_i.bank, step_i.tpl_step[StepW-1:0]};
+    tpl_addr_q  <= {step_q.bank, step_q.tpl_step[StepW-1:0]};
     tpl_addr_q2 <= tpl_addr_q;
     tpl_addr_q3 <= tpl_addr_q2;
+    tpl_addr_q4 <= tpl_addr_q3;
   end
 
+  logic keep_a_q, keep_b_q;
+  slog_search_ring #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_search (
+      .clk_i,
+      .rst_i,
+      .wr_even_i (wr_even_q),
+      .wr_odd_i  (wr_odd_q),
+      .wr_pair_i (wr_pair_q),
+      .wr_word_i (wr_word_q),
+      .wr_data_i (wr_data_q),
+      .read_i    (step_q.valid),
+      .wide_i    (step_q.wide),
+      .row_i     (step_q.ring_row[RingW-1:0]),
+      .chunk_i   (step_q.chunk),
+      .keep_a_i  (control_q5.valid),
+      .keep_b_i  (both_q5),
+      .a_o       (search_a_o),
+      .b_o       (search_b_o)
+  );
+
   logic                 wr_tpl_a_q, wr_tpl_b_q;
-  logic [StepW:0]       wr_addr_q;
-  logic [GroupBits-1:0] wr_data_q, tpl_a, tpl_b;
+  logic [StepW:0]       wr_addr_q2;
+  logic [GroupBits-1:0] wr_data_q2, tpl_a, tpl_b;
   always_ff @(posedge clk_i) begin
-    wr_tpl_a_q <= wr_valid_i && wr_tpl_i && !(wr_wide_i ? wr_word_i[0] : wr_row_i[0]);
-    wr_tpl_b_q <= wr_valid_i && wr_tpl_i && (wr_wide_i ? wr_word_i[0] : wr_row_i[0]);
-    wr_addr_q  <= {wr_bank_i, wr_wide_i ? wr_row_i[StepW-1:0] : StepW'(wr_row_i[StepW-1:1])};
-    wr_data_q  <= wr_data_i;
+    wr_tpl_a_q <= wr_tpl_q && !wr_high_q;
+    wr_tpl_b_q <= wr_tpl_q && wr_high_q;
+    wr_addr_q2 <= wr_addr_q;
+    if (wr_tpl_q) wr_data_q2 <= wr_data_q;
   end
 
   slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_a (
-      .clk_i, .wr_en_i(wr_tpl_a_q), .wr_addr_i(wr_addr_q), .wr_data_i(wr_data_q),
-      .rd_en_i(control_q3.valid), .rd_addr_i(tpl_addr_q3), .rd_data_o(tpl_a)
+      .clk_i, .wr_en_i(wr_tpl_a_q), .wr_addr_i(wr_addr_q2), .wr_data_i(wr_data_q2),
+      .rd_en_i(control_q4.valid), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_a)
   );
   slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_b (
-      .clk_i, .wr_en_i(wr_tpl_b_q), .wr_addr_i(wr_addr_q), .wr_data_i(wr_data_q),
-      .rd_en_i(control_q3.valid), .rd_addr_i(tpl_addr_q3), .rd_data_o(tpl_b)
+      .clk_i, .wr_en_i(wr_tpl_b_q), .wr_addr_i(wr_addr_q2), .wr_data_i(wr_data_q2),
+      .rd_en_i(control_q4.valid), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_b)
   );
   always_ff @(posedge clk_i) begin
-    keep_a_q <= keep_a;
-    keep_b_q <= keep_b;
+    keep_a_q <= control_q5.valid && !rst_i;
+    keep_b_q <= both_q5 && !rst_i;
     tpl_a_o  <= keep_a_q ? tpl_a : '0;
     tpl_b_o  <= keep_b_q ? tpl_b : '0;
   end
@@ -133,19 +162,16 @@ module slog_operands #(
       hold_q <= HoldW'(HoldClocks);
       move_q <= 1'b1;
     end else begin
-      move_q <= control_q5.valid || hold_q != '0 || !HoldIdle;
-      if (control_q5.valid) hold_q <= HoldW'(HoldClocks);
+      move_q <= control_q6.valid || hold_q != '0 || !HoldIdle;
+      if (control_q6.valid) hold_q <= HoldW'(HoldClocks);
       else if (hold_q != '0) hold_q <= hold_q - 1'b1;
     end
   end
 
-  // The search ring's slices and the templates take their own copies of these.
-  assign keep_a  = control_q4.valid && !rst_i;
-  assign keep_b  = keep_a && control_q4.row_b;
   assign move_o  = move_q;
-  assign valid_o = control_q6.valid;
-  assign first_o = control_q6.first;
-  assign last_o  = control_q6.last;
-  assign row_b_o = control_q6.row_b;
-  assign lanes_o = control_q6.lanes;
+  assign valid_o = control_q7.valid;
+  assign first_o = control_q7.first;
+  assign last_o  = control_q7.last;
+  assign row_b_o = control_q7.row_b;
+  assign lanes_o = control_q7.lanes;
 endmodule : slog_operands

@@ -7,9 +7,10 @@
 //
 // Stage  registers          valid after the clock of odd_a_i .. chunk_i
 //   1    what chooses       1, with word_i in that clock
-//   2    a_q2[3] b_q2[4]    2: words from the first quad on: rows and quads in place
-//   3    a_q3[2] b_q3[2]    3: words from the first unit's on
-//   4    a_o b_o            4: units in place; zero unless keep_a_i, keep_b_i were high two clocks before
+//   2    a_q2[4] b_q2[4]    2: words of the row
+//   3    a_q3[3] b_q3[4]    3: words from the first quad on
+//   4    a_q4[2] b_q4[2]    4: words from the first unit's on
+//   5    a_o b_o            5: units in place; zero unless keep_a_i, keep_b_i were high two clocks before, with no rst_i
 //
 // Throughput : one choice per clock.
 module slog_ring_slice #(
@@ -17,6 +18,7 @@ module slog_ring_slice #(
     localparam int unsigned WordBits = 2 * UnitBits
 ) (
     input  logic                           clk_i,
+    input  logic                           rst_i,
     input  logic                           odd_a_i,
     input  logic                           odd_b_i,
     input  logic                           wide_i,
@@ -27,48 +29,50 @@ module slog_ring_slice #(
     output logic [WordBits+UnitBits-1:0]   a_o,
     output logic [WordBits+UnitBits-1:0]   b_o
 );
-  logic odd_a_q, odd_b_q, wide_q, wide_q2, chunk_q3, keep_a_q, keep_b_q;
-  logic [2:0] chunk_q;
-  logic [1:0] chunk_q2;
-  logic [WordBits-1:0] a_q2[3], b_q2[4], a_q3[2], b_q3[2];
+  logic odd_a_q, odd_b_q, wide_q, wide_q2, wide_q3, chunk_q4, keep_a_q, keep_b_q;
+  logic [2:0] chunk_q, chunk_q2;
+  logic [1:0] chunk_q3;
+  logic [WordBits-1:0] a_q2[4], b_q2[4], a_q3[3], b_q3[4], a_q4[2], b_q4[2];
 
   always_ff @(posedge clk_i) begin
     odd_a_q  <= odd_a_i;
     odd_b_q  <= odd_b_i;
     wide_q   <= wide_i;
     wide_q2  <= wide_q;
+    wide_q3  <= wide_q2;
     chunk_q  <= chunk_i;
-    chunk_q2 <= chunk_q[1:0];
-    chunk_q3 <= chunk_q2[0];
-    keep_a_q <= keep_a_i;
-    keep_b_q <= keep_b_i;
+    chunk_q2 <= chunk_q;
+    chunk_q3 <= chunk_q2[1:0];
+    chunk_q4 <= chunk_q3[0];
+    keep_a_q <= keep_a_i && !rst_i;
+    keep_b_q <= keep_b_i && !rst_i;
 
-    a_q2[0] <= word_i[{odd_a_q, chunk_q[2], 1'b0}];
-    a_q2[1] <= word_i[{odd_a_q, chunk_q[2], 1'b1}];
-    a_q2[2] <= word_i[{odd_a_q, !chunk_q[2], 1'b0}];
-    b_q2[0] <= word_i[{odd_b_q, chunk_q[2], 1'b0}];
-    b_q2[1] <= word_i[{odd_b_q, chunk_q[2], 1'b1}];
-    b_q2[2] <= word_i[{odd_b_q, !chunk_q[2], 1'b0}];
-    b_q2[3] <= word_i[{odd_b_q, !chunk_q[2], 1'b1}];
+    for (int unsigned m = 0; m < 4; m++) begin
+      a_q2[m] <= word_i[{odd_a_q, 2'(m)}];
+      b_q2[m] <= word_i[{odd_b_q, 2'(m)}];
+    end
 
-    a_q3[0] <= chunk_q2[1] ? a_q2[1] : a_q2[0];
-    a_q3[1] <= chunk_q2[1] ? a_q2[2] : a_q2[1];
-    if (chunk_q2[1] && wide_q2) begin
-      b_q3[0] <= b_q2[2];
-      b_q3[1] <= b_q2[3];
-    end else if (chunk_q2[1] || wide_q2) begin
-      b_q3[0] <= b_q2[1];
-      b_q3[1] <= b_q2[2];
+    for (int unsigned m = 0; m < 3; m++) a_q3[m] <= a_q2[{1'(m >> 1) ^ chunk_q2[2], 1'(m)}];
+    for (int unsigned m = 0; m < 4; m++) b_q3[m] <= b_q2[{1'(m >> 1) ^ chunk_q2[2], 1'(m)}];
+
+    a_q4[0] <= chunk_q3[1] ? a_q3[1] : a_q3[0];
+    a_q4[1] <= chunk_q3[1] ? a_q3[2] : a_q3[1];
+    if (chunk_q3[1] && wide_q3) begin
+      b_q4[0] <= b_q3[2];
+      b_q4[1] <= b_q3[3];
+    end else if (chunk_q3[1] || wide_q3) begin
+      b_q4[0] <= b_q3[1];
+      b_q4[1] <= b_q3[2];
     end else begin
-      b_q3[0] <= b_q2[0];
-      b_q3[1] <= b_q2[1];
+      b_q4[0] <= b_q3[0];
+      b_q4[1] <= b_q3[1];
     end
 
     if (!keep_a_q) a_o <= '0;
-    else if (chunk_q3) a_o <= {a_q3[1], a_q3[0][WordBits-1:UnitBits]};
-    else a_o <= {a_q3[1][UnitBits-1:0], a_q3[0]};
+    else if (chunk_q4) a_o <= {a_q4[1], a_q4[0][WordBits-1:UnitBits]};
+    else a_o <= {a_q4[1][UnitBits-1:0], a_q4[0]};
     if (!keep_b_q) b_o <= '0;
-    else if (chunk_q3) b_o <= {b_q3[1], b_q3[0][WordBits-1:UnitBits]};
-    else b_o <= {b_q3[1][UnitBits-1:0], b_q3[0]};
+    else if (chunk_q4) b_o <= {b_q4[1], b_q4[0][WordBits-1:UnitBits]};
+    else b_o <= {b_q4[1][UnitBits-1:0], b_q4[0]};
   end
 endmodule : slog_ring_slice

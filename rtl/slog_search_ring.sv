@@ -10,11 +10,12 @@
 // Stage  registers          valid after the clock of read_i, wide_i, row_i, chunk_i
 //   1    addr_q             1
 //   3    RAM output         3
-//   4-6  slog_ring_slice    6: a_o, b_o; zero unless keep_a_i, keep_b_i were high two clocks before
+//   3-7  slog_ring_slice    7: a_o, b_o; zero unless keep_a_i, keep_b_i were high two clocks before,
+//                              with no rst_i
 //
 // Throughput : one read and one write per clock.
-// Rules      : a word can be read by row_i from the clock after wr_valid_i on, and written again from the clock after
-//              its row_i on. Words past a row's end read as anything.
+// Rules      : a word can be read by row_i from the clock after its wr_even_i or wr_odd_i on, and written again from the
+//              clock after its row_i on. Words past a row's end read as anything.
 module slog_search_ring #(
     parameter  int unsigned GroupBits   = 8,
     parameter  int unsigned RingRows    = 32,
@@ -25,8 +26,10 @@ module slog_search_ring #(
     localparam int unsigned Slices      = Pitch / SliceBits
 ) (
     input  logic                       clk_i,
-    input  logic                       wr_valid_i,
-    input  logic [RowW-1:0]            wr_row_i,
+    input  logic                       rst_i,
+    input  logic                       wr_even_i,  // a word of row 2 * wr_pair_i
+    input  logic                       wr_odd_i,   // ... of the row after that
+    input  logic [RowW-2:0]            wr_pair_i,
     input  logic [3:0]                 wr_word_i,
     input  logic [GroupBits-1:0]       wr_data_i,
     input  logic                       read_i,
@@ -47,15 +50,23 @@ module slog_search_ring #(
   logic       wide_q, wide_q2;
   logic [2:0] chunk_q, chunk_q2;
 
-  logic             wr_valid_q;
-  logic [2:0]       wr_memory_q;
-  logic [AddrW-1:0] wr_addr_q;
-  logic [GroupBits-1:0] wr_data_q;
+  // Registers of their own for the memories of each row parity.
+  logic [7:0]           wr_en_q;  // of each memory
+  logic [AddrW-1:0]     wr_addr_q[2];
+  logic [GroupBits-1:0] wr_data_q[2];
   always_ff @(posedge clk_i) begin
-    wr_valid_q  <= wr_valid_i;
-    wr_memory_q <= {wr_row_i[0], wr_word_i[1:0]};
-    wr_addr_q   <= AddrW'({wr_word_i[3:2], wr_row_i[RowW-1:1]});
-    wr_data_q   <= wr_data_i;
+    for (int unsigned m = 0; m < 4; m++) begin
+      wr_en_q[m]   <= wr_even_i && wr_word_i[1:0] == 2'(m);
+      wr_en_q[4+m] <= wr_odd_i && wr_word_i[1:0] == 2'(m);
+    end
+    if (wr_even_i) begin
+      wr_addr_q[0] <= AddrW'({wr_word_i[3:2], wr_pair_i});
+      wr_data_q[0] <= wr_data_i;
+    end
+    if (wr_odd_i) begin
+      wr_addr_q[1] <= AddrW'({wr_word_i[3:2], wr_pair_i});
+      wr_data_q[1] <= wr_data_i;
+    end
   end
 
   always_ff @(posedge clk_i) begin
@@ -84,9 +95,9 @@ module slog_search_ring #(
       for (genvar w = 0; w < 2; w++) begin : g_word
         slog_ram #(.Width(GroupBits), .Depth(Depth)) u_ram (
             .clk_i,
-            .wr_en_i  (wr_valid_q && wr_memory_q == 3'(4 * r + 2 * q + w)),
-            .wr_addr_i(wr_addr_q),
-            .wr_data_i(wr_data_q),
+            .wr_en_i  (wr_en_q[4*r+2*q+w]),
+            .wr_addr_i(wr_addr_q[r]),
+            .wr_data_i(wr_data_q[r]),
             .rd_en_i  (read_q),
             .rd_addr_i(addr_q),
             .rd_data_o(word[r][q][w])
@@ -106,6 +117,7 @@ module slog_search_ring #(
     end
     slog_ring_slice #(.UnitBits(SliceBits)) u_slice (
         .clk_i,
+        .rst_i,
         .odd_a_i (odd_a_q2),
         .odd_b_i (odd_b_q2),
         .wide_i  (wide_q2),

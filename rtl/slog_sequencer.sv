@@ -1,6 +1,6 @@
 // Turns tickets into steps of the array: one job after the other, rows of offsets one ahead of the walker.
 //
-// For each ticket: prepare (3 clocks), context to the peak unit, then, if accepted, the mask, then row after row: grant
+// For each ticket: prepare (4 clocks), context to the peak unit, then, if accepted, the mask, then row after row: grant
 // of the peak unit, operands loaded, row to slog_walker. A refused job only passes its context on.
 //
 //   steps   = wide ? height : ceil(height / 2)              wide = width > GroupBits
@@ -8,7 +8,7 @@
 //   gap     = offsets of the pass before - steps, at least 0: idle clocks, as lanes leave one a clock
 // Latency    : row_ready_i to the first step_o 4 clocks (no gap, operands there, walker idle).
 // Throughput : one step a clock from row to row, if a row takes 4 clocks or more and grants come at once; also from job to
-//              job of equal width, if those at its end take 7. A job of another width waits until the array has drained
+//              job of equal width, if those at its end take 8. A job of another width waits until the array has drained
 //              (DrainClocks), as mask_o is for all lanes alike.
 // Rules      : contexts, grants and rows are in job order; a grant is asked for when the walker has taken the row before.
 //              mask_o: {group B, group A}, 1 = the bit belongs to the window; static while a step is on its way.
@@ -51,9 +51,10 @@ module slog_sequencer
   ticket_t t_q;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  // Prepare: three stages that settle while prepare_q is high.
-  logic [1:0] prep_q;
-  logic wide, wide_q, single_q, same_width_q, good_q;
+  // Prepare: four stages, of which each has the enable of its clock.
+  logic [2:0] prep_q;
+  logic wide_q, single_q, same_width_q, good_q;
+  logic [7:0] paired_steps_q;
   logic [1:0] tail_q;                // bits of the width below GroupBits' own: any in the upper, the lower half
   logic [9:0] across_q;              // offsets_x - 2, unless single
   logic [7:0] steps_q, more_steps_q;
@@ -68,23 +69,29 @@ module slog_sequencer
     /* verilator lint_on UNUSEDSIGNAL */
     return {less_one[8], less_one[5:0]};
   endfunction
-  assign wide = t_q.job.width[7:GroupW+1] != '0 || (t_q.job.width[GroupW] && tail_q != '0);
   always_ff @(posedge clk_i) begin
     if (prepare_q) begin
-      tail_q        <= {t_q.job.width[GroupW-1:GroupW/2] != '0, t_q.job.width[GroupW/2-1:0] != '0};
-      wide_q        <= wide;
-      single_q      <= t_q.job.offsets_x == 10'd1;
-      across_q      <= t_q.job.offsets_x - 10'd2;
-      same_width_q  <= t_q.job.width == mask_width_q;
-      good_q        <= t_q.status == StatusOk;
-      steps_q       <= wide ? t_q.job.height : (t_q.job.height >> 1) + 8'(t_q.job.height[0]);
-      last_chunk_q  <= single_q ? '0 : 5'(across_q[9:PitchW]);
-      last_lanes_q  <= single_q ? 6'd1 : 6'(across_q[PitchW-1:0]) + 6'd2;
-      more_steps_q  <= steps_q - 8'd2;
+      tail_q         <= {t_q.job.width[GroupW-1:GroupW/2] != '0, t_q.job.width[GroupW/2-1:0] != '0};
+      single_q       <= t_q.job.offsets_x == 10'd1;
+      across_q       <= t_q.job.offsets_x - 10'd2;
+      same_width_q   <= t_q.job.width == mask_width_q;
+      good_q         <= t_q.status == StatusOk;
+      paired_steps_q <= (t_q.job.height >> 1) + 8'(t_q.job.height[0]);
+    end
+    if (prep_q[0]) begin
+      wide_q       <= t_q.job.width[7:GroupW+1] != '0 || (t_q.job.width[GroupW] && tail_q != '0);
+      last_chunk_q <= single_q ? '0 : 5'(across_q[9:PitchW]);
+      last_lanes_q <= single_q ? 6'd1 : 6'(across_q[PitchW-1:0]) + 6'd2;
+    end
+    if (prep_q[1]) begin
+      steps_q       <= wide_q ? t_q.job.height : paired_steps_q;
       more_passes_q <= 6'(last_chunk_q) - 6'd1;
-      gap_first_q   <= gap(6'(Pitch + 1), steps_q);
-      gap_pass_q    <= gap(6'(Pitch), steps_q);
-      gap_row_q     <= gap(last_lanes_q, steps_q);
+    end
+    if (prep_q[2]) begin
+      more_steps_q <= steps_q - 8'd2;
+      gap_first_q  <= gap(6'(Pitch + 1), steps_q);
+      gap_pass_q   <= gap(6'(Pitch), steps_q);
+      gap_row_q    <= gap(last_lanes_q, steps_q);
     end
   end
 
@@ -101,6 +108,7 @@ module slog_sequencer
   logic [Unit-1:0] part_q;
   logic [2*GroupBits-1:0] mask_q;
   logic mask_load;
+  logic [1:0] load_q;                   // group A's, group B's half of the mask is loaded: one after the other
   always_ff @(posedge clk_i) begin
     if (prepare_q) begin
       for (int unsigned n = 0; n < 4; n++) begin
@@ -111,18 +119,26 @@ module slog_sequencer
         past_high_q[n] <= t_q.job.width[7:UnitW+2] > (CountW - 2)'(n);
         in_high_q[n]   <= t_q.job.width[7:UnitW+2] == (CountW - 2)'(n);
       end
+    end
+    if (prep_q[0]) begin
       for (int unsigned u = 0; u < Units; u++) begin
         reached_q[u] <= past_high_q[u/4] || (in_high_q[u/4] && past_low_q[u%4]);
         ends_q[u]    <= in_high_q[u/4] && in_low_q[u%4];
-        // In a paired step group B is a row of its own.
-        full_q[u]    <= (wide_q || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
-        partly_q[u]  <= (wide_q || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
       end
-      for (int unsigned b = 0; b < Unit; b++) part_q[b] <= t_q.job.width[UnitW-1:0] > UnitW'(b);
     end
-    if (mask_load) begin
-      for (int unsigned b = 0; b < 2 * GroupBits; b++) begin
-        mask_q[b] <= full_q[b/Unit] || (partly_q[b/Unit] && part_q[b%Unit]);
+    if (prep_q[1]) begin
+      for (int unsigned u = 0; u < Units; u++) begin
+        // In a paired step group B is a row of its own.
+        full_q[u]   <= (wide_q || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
+        partly_q[u] <= (wide_q || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
+      end
+    end
+    if (prep_q[2]) for (int unsigned b = 0; b < Unit; b++) part_q[b] <= t_q.job.width[UnitW-1:0] > UnitW'(b);
+    for (int unsigned h = 0; h < 2; h++) begin
+      if (load_q[h]) begin
+        for (int unsigned b = h * GroupBits; b < (h + 1) * GroupBits; b++) begin
+          mask_q[b] <= full_q[b/Unit] || (partly_q[b/Unit] && part_q[b%Unit]);
+        end
       end
     end
   end
@@ -135,6 +151,7 @@ module slog_sequencer
   logic [RowW-1:0] ahead;                   // ring rows there beyond those that must be: negative when some are missing
   logic there_q;                            // the next row's operands are loaded
   logic row_valid_q, granted_q, begun_q;
+  logic turn_q;                             // prep_q[0] || took_q
   logic token_valid_q, token_ready, token, took_q, done_q;
   row_t token_q;
   logic drained, walking;
@@ -152,22 +169,26 @@ module slog_sequencer
       rows_q        <= 1'b0;
       prep_q        <= '0;
       mask_width_q  <= '0;
+      load_q        <= '0;
       row_valid_q   <= 1'b0;
       granted_q     <= 1'b0;
       took_q        <= 1'b0;
+      turn_q        <= 1'b0;
       done_q        <= 1'b0;
       token_valid_q <= 1'b0;
     end else begin
       idle_q        <= (idle_q && !ticket_valid_i) || (context_q && ctx_ready_i && !good_q) || done_q;
-      prepare_q     <= (idle_q && ticket_valid_i) || (prepare_q && !prep_q[1]);
-      context_q     <= (prepare_q && prep_q[1]) || (context_q && !ctx_ready_i);
+      prepare_q     <= (idle_q && ticket_valid_i) || (prepare_q && !prep_q[2]);
+      context_q     <= (prepare_q && prep_q[2]) || (context_q && !ctx_ready_i);
       masking_q     <= (context_q && ctx_ready_i && good_q) || (masking_q && !same_width_q && !mask_load);
       rows_q        <= (masking_q && (same_width_q || mask_load)) || (rows_q && !done_q);
-      prep_q        <= {prep_q[0], prepare_q && prep_q == '0};
+      prep_q        <= {prep_q[1:0], prepare_q && prep_q == '0};
+      load_q        <= {load_q[0], mask_load};
       if (masking_q) mask_width_q <= t_q.job.width;
       row_valid_q   <= row_valid_q ? !row_ready_i : rows_q && !granted_q && !token_valid_q;
       granted_q     <= (row_valid_q && row_ready_i) || (granted_q && !token);
       took_q        <= token;
+      turn_q        <= token || (prepare_q && prep_q == '0);
       done_q        <= token && final_q;
       token_valid_q <= token || (token_valid_q && !token_ready);
     end
@@ -175,18 +196,12 @@ module slog_sequencer
 
   always_ff @(posedge clk_i) begin
     if (idle_q) t_q <= ticket_i;
-    if (prep_q[0]) begin
-      top_q      <= t_q.row[RowW-2:0];
-      top_next_q <= t_q.row[RowW-1:0] + 1'b1;
-      need_q     <= t_q.row[RowW-1:0] + RowW'(t_q.job.height);
-      down_q     <= 11'(t_q.job.offsets_y) - 11'd2;
-      begun_q    <= 1'b0;
-    end else if (took_q) begin
-      top_q      <= top_next_q[RowW-2:0];
-      top_next_q <= top_next_q + 1'b1;
-      need_q     <= need_q + 1'b1;
-      down_q     <= down_next;
-      begun_q    <= 1'b1;
+    if (turn_q) begin
+      top_q      <= took_q ? top_next_q[RowW-2:0] : t_q.row[RowW-2:0];
+      top_next_q <= took_q ? top_next_q + 1'b1 : t_q.row[RowW-1:0] + 1'b1;
+      need_q     <= took_q ? need_q + 1'b1 : t_q.row[RowW-1:0] + RowW'(t_q.job.height);
+      down_q     <= took_q ? down_next : 11'(t_q.job.offsets_y) - 11'd2;
+      begun_q    <= took_q;
     end
     if (prep_q[1] || took_q) final_q <= took_q ? down_next[10] : down_q[10];
     if (rows_q) there_q <= !ahead[RowW-1] && tpl_done_i[t_q.bank];
@@ -240,6 +255,7 @@ module slog_sequencer
   assign busy_o         = !idle_q || token_valid_q || walking;
 
   `SLOG_ASSERT(SlogSequencerState, $onehot({idle_q, prepare_q, context_q, masking_q, rows_q}))
+  `SLOG_ASSERT(SlogSequencerTurn, turn_q == (prep_q[0] || took_q))
   `SLOG_ASSERT_INIT(SlogSequencerPitch, Pitch == 2 ** PitchW && Pitch <= 32)
   `SLOG_ASSERT_STABLE(SlogSequencerCtxStable, ctx_valid_o, ctx_ready_i, ctx_o)
   `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, row_offsets_o)
