@@ -67,7 +67,7 @@ class FilterBankModel:
             for k in shifted:
                 if 0 <= k < count:
                     values[k] = before[k]
-        place = count - 1 - sum(k <= 0 for k in shifted)  # of the shift after those at the first coefficients or through
+        place = count - 1 - sum(k <= 0 for k in shifted)  # of the next shift to come
         self.next = self.read
         if place >= 0:
             self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
