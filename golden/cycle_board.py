@@ -6,6 +6,7 @@ after it is read from that one's state.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 
 from golden.cycle_capture import CaptureModel
@@ -40,6 +41,7 @@ class BoardModel:
 
     def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
         c = self.config = config
+        self.resets = deque([1, 1])  # of the two clocks before
         self.control = ControlModel(c, fields)
         self.front = [FrontendModel(c.max_width, c.radius, c.group_bits) for _ in range(c.cameras)]
         self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)
@@ -50,7 +52,9 @@ class BoardModel:
 
     def step(self, i: Mapping[str, int]) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        rst = i["rst_i"]
+        self.resets.append(i["rst_i"])
+        rst = self.resets.popleft()
+        i = {**i, "rst_i": rst}
         control = self.control.outputs()
         capture = self.capture.outputs()
         fronts = self._cameras(i, known(control))

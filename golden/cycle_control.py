@@ -42,7 +42,7 @@ class FilterBankModel:
         self.taking: tuple[int, int] | None = None  # size to be put in use
         self.load = 1
         self.clearing = True
-        self.next = {0: 0, 1: 0}  # what the first coefficients take
+        self.read = self.next = {0: 0, 1: 0}  # what the first coefficients take, in the next clock and now
         self.size = (self.config.max_width, self.config.max_height)
 
     @property
@@ -67,9 +67,10 @@ class FilterBankModel:
             for k in shifted:
                 if 0 <= k < count:
                     values[k] = before[k]
-        done = sum(k < 0 for k in shifted)  # shifts that are through
-        place = count - 1 - done
-        self.next = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
+        place = count - 1 - sum(k <= 0 for k in shifted)  # of the next shift to come
+        self.next = self.read
+        if place >= 0:
+            self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
         self.load += 1
         if self.load == 3 * count + 1:
             self.load, self.clearing = None, False

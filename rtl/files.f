@@ -10,6 +10,7 @@ slog_ram.sv
 slog_mult.sv
 slog_fifo.sv
 slog_clock_gate.sv
+slog_reset.sv
 slog_stage.sv
 slog_store_slice.sv
 slog_store.sv

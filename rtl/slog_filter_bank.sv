@@ -52,8 +52,11 @@ module slog_filter_bank #(
   logic stage_g_q, stage_g2_q;
   // Loading.
   logic [Coefs-1:0][CoefBits-1:0] g_q, g2_q;
-  logic [CoefBits-1:0] next_g_q, next_g2_q;  // the coefficients at place_q as they were a clock before
-  logic [PlaceW-1:0] place_q;
+  logic [PlaceW-1:0] place_q;                // of the coefficients that are read
+  logic [CoefBits-1:0] read_g_q, read_g2_q;
+  logic read_given_g_q, read_given_g2_q;
+  logic [CoefBits-1:0] next_g_q, next_g2_q;  // what the first coefficients take
+  logic end_q;                               // ... the next time for the last time
   logic [PulseW-1:0] pulse_q;  // an odd number: a shift begins
   logic [Coefs-1:0] shift_q;   // [k]: coefficient k takes the one before it; a shift in every other clock
   logic loading_q, clear_q;    // clear_q: after reset, with zeros
@@ -71,7 +74,7 @@ module slog_filter_bank #(
   assign size_new = apply_q && within_q == '1 && differs_q != '0;
   assign calm     = pending_q && !active_q && !apply_q && !loading_q;
   assign apply    = calm && quiet_q[Settle-1];
-  assign last     = shift_q[0] && place_q == '0;
+  assign last     = shift_q[0] && end_q;
   assign loading  = apply_q || (loading_q && !last);
 
   always_ff @(posedge clk_i) begin
@@ -95,8 +98,13 @@ module slog_filter_bank #(
   always_ff @(posedge clk_i) begin
     if (stage_g_q) staged_g_q[index_q] <= coef_q;
     if (stage_g2_q) staged_g2_q[index_q] <= coef_q;
-    next_g_q  <= (given_g_q[place_q] && !clear_q) ? staged_g_q[5'(place_q)] : '0;
-    next_g2_q <= (given_g2_q[place_q] && !clear_q) ? staged_g2_q[5'(place_q)] : '0;
+    read_g_q        <= staged_g_q[5'(place_q)];
+    read_g2_q       <= staged_g2_q[5'(place_q)];
+    read_given_g_q  <= given_g_q[place_q] && !clear_q;
+    read_given_g2_q <= given_g2_q[place_q] && !clear_q;
+    next_g_q        <= read_given_g_q ? read_g_q : '0;
+    next_g2_q       <= read_given_g2_q ? read_g2_q : '0;
+    end_q           <= shift_q[1] && place_q == '0;
   end
 
   for (genvar k = 0; k < Coefs; k++) begin : g_coef
@@ -119,7 +127,7 @@ module slog_filter_bank #(
       if (apply_q) pulse_q <= PulseW'(2 * Coefs);
       else if (pulse_q != '0) pulse_q <= pulse_q - 1'b1;
       shift_q <= {pulse_q[0], shift_q[Coefs-1:1]};
-      if (shift_q[0]) place_q <= last ? PlaceW'(Coefs - 1) : place_q - 1'b1;
+      if (shift_q[1]) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
       loading_q <= loading;
       if (last) clear_q <= 1'b0;
     end

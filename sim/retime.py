@@ -1,9 +1,9 @@
 """Registers within the generated register block, for its clock rate: in the address decoder, and in the read path.
 
-A request's strobe is decoded in one clock and on its way to its register in the next; with it goes what is written. Reads
-are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
-(address, direction, data, enables) must stay for two clocks after it, as `slog_axil` keeps it; a write is acknowledged two
-clocks after its request, a read four, with what the registers held two clocks after it.
+A request's strobe is decoded in one clock and on its way to its register in the next; with it goes what is written.
+Reads are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
+(address, direction, data, enables) must stay for two clocks after it, as `slog_axil` keeps it; a write is acknowledged
+two clocks after its request, a read four, with what the registers held two clocks after it.
 """
 
 from __future__ import annotations

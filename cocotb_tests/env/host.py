@@ -20,6 +20,8 @@ from golden.params import Config
 from sim.registers import address, fields, word
 
 Script = Generator[None, None, None]
+RESET_DELAY = 2
+"""Clocks that a reset takes to reach the board's blocks."""
 LIMIT = 30_000
 """Clocks a wait may take."""
 
@@ -47,6 +49,7 @@ class Host:
         self.results: list[Result] = []
         self.size = (config.max_width, config.max_height)
         self.rst = 0
+        self.deaf = False  # what the board says means nothing
         self.irq = 0
         self.stalls = dict.fromkeys(("video", "surface"), 0)
         self._inputs: Inputs = {}
@@ -72,7 +75,7 @@ class Host:
 
     def _observe(self, out: Outputs) -> None:
         i = self._inputs
-        if self.rst:
+        if self.deaf:
             return
         self.master.observe(out)
         ready = out["vid_tready_o"]
@@ -106,7 +109,7 @@ class Host:
 
     def reset(self, clocks: int = 2) -> Script:
         """Reset the board, whatever is under way; the cameras lose the rest of their frames."""
-        self.rst = 1
+        self.rst, self.deaf = 1, True
         for beats in self.beats:
             beats.clear()
         self.held = [False] * self.config.cameras
@@ -116,6 +119,8 @@ class Host:
         self.master.reset()
         yield from self.pause(clocks)
         self.rst = 0
+        yield from self.pause(RESET_DELAY)
+        self.deaf = False
 
     # Registers
     def read(self, field: str) -> Generator[None, None, int]:

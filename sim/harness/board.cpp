@@ -128,7 +128,7 @@ void tick(Board& b) {
       b.cameras[c].offered = false;
     }
   }
-  // Before the first clock of a reset the board may say anything.
+  // In a reset the board may say anything.
   if (!t.rst_i && t.surf_tvalid_o && t.surf_tready_i) {
     if (t.surf_tuser_o != b.surface_first) b.surface_broken = true;
     b.surface_first = t.surf_tlast_o;
@@ -306,7 +306,7 @@ void slog_reset(Board* b) {
   t.rst_i = 1;
   for (int k = 0; k < 4; ++k) tick(*b);
   t.rst_i = 0;
-  tick(*b);
+  for (int k = 0; k < 4; ++k) tick(*b);
   b->job_depth = UNPACK(SLOG_CSR__BUILD_QUEUE__JOB_DEPTH, read(*b, ADDRESS(build_queue)));
   write(*b, ADDRESS(irq_enable), SLOG_CSR__IRQ_ENABLE__RESULT_bm);
 }
