@@ -47,6 +47,7 @@ slog_taps_slice.sv
 slog_taps_window.sv
 slog_taps.sv
 slog_log.sv
+slog_packer_slice.sv
 slog_packer.sv
 slog_frontend.sv
 slog_correlator.sv

@@ -70,19 +70,12 @@ module slog_board
   result_t result;
   logic [ResultLevelW-1:0] result_level;
 
-  // A tree of registers: the blocks are far from the pin and from one another.
-  logic rst_root, rst_control, rst_capture, rst_store, rst_jobs, rst_correlator;
-  logic [Cameras-1:0] rst_camera;
-  slog_reset u_rst (.clk_i, .rst_i, .rst_o(rst_root));
-  slog_reset u_rst_control (.clk_i, .rst_i(rst_root), .rst_o(rst_control));
-  slog_reset u_rst_capture (.clk_i, .rst_i(rst_root), .rst_o(rst_capture));
-  slog_reset u_rst_store (.clk_i, .rst_i(rst_root), .rst_o(rst_store));
-  slog_reset u_rst_jobs (.clk_i, .rst_i(rst_root), .rst_o(rst_jobs));
-  slog_reset u_rst_correlator (.clk_i, .rst_i(rst_root), .rst_o(rst_correlator));
+  logic rst;
+  slog_reset u_reset (.clk_i, .rst_i, .rst_o(rst));
 
   slog_control u_control (
       .clk_i,
-      .rst_i           (rst_control),
+      .rst_i           (rst),
       .s_axil_awaddr,
       .s_axil_awprot,
       .s_axil_awvalid,
@@ -145,10 +138,9 @@ module slog_board
 
   for (genvar c = 0; c < Cameras; c++) begin : g_camera
     logic clk;
-    slog_reset u_rst (.clk_i, .rst_i(rst_root), .rst_o(rst_camera[c]));
     slog_clock_gate u_gate (
         .clk_i,
-        .rst_i   (rst_camera[c]),
+        .rst_i   (rst),
         .active_i(vid_tvalid_i[c] || front_busy[c]),
         .clk_o   (clk)
     );
@@ -158,7 +150,7 @@ module slog_board
         .GroupBits(GroupBits)
     ) u_frontend (
         .clk_i        (clk),
-        .rst_i        (rst_camera[c]),
+        .rst_i        (rst),
         .tdata_i      (vid_tdata_i[c]),
         .tvalid_i     (vid_tvalid_i[c]),
         .tready_o     (vid_tready_o[c]),
@@ -187,7 +179,7 @@ module slog_board
       .Linger(16)
   ) u_store_gate (
       .clk_i,
-      .rst_i   (rst_store),
+      .rst_i   (rst),
       .active_i((word_valid | frame_start | frame_done | frame_abort) != '0 || capture_valid || slots_clear || work ||
                 peek_valid || peek_done || !peek_ready),
       .clk_o   (store_clk)
@@ -201,7 +193,7 @@ module slog_board
       .WordsPerRow(WordsPerRow)
   ) u_capture (
       .clk_i        (store_clk),
-      .rst_i        (rst_capture),
+      .rst_i        (rst),
       .cmd_valid_i  (capture_valid),
       .cmd_cancel_i (capture_cancel),
       .cmd_camera_i (capture_camera),
@@ -229,7 +221,7 @@ module slog_board
       .Words(StoreWords)
   ) u_store (
       .clk_i       (store_clk),
-      .rst_i       (rst_store),
+      .rst_i       (rst),
       .wr_valid_i  (wr_valid),
       .wr_addr_i   (wr_addr),
       .wr_data_i   (wr_data),
@@ -250,14 +242,14 @@ module slog_board
       .Linger(6 * MaxWidth)
   ) u_correlator_gate (
       .clk_i,
-      .rst_i   (rst_correlator),
+      .rst_i   (rst),
       .active_i(command_valid || !command_ready || job_level != '0 || work || result_valid || surf_tvalid_o),
       .clk_o   (correlator_clk)
   );
 
   slog_grid u_grid (
       .clk_i      (correlator_clk),
-      .rst_i      (rst_jobs),
+      .rst_i      (rst),
       .job_valid_i(command_valid),
       .job_ready_o(command_ready),
       .job_i      (command),
@@ -275,7 +267,7 @@ module slog_board
       .Depth(JobDepth)
   ) u_jobs (
       .clk_i      (correlator_clk),
-      .rst_i      (rst_jobs),
+      .rst_i      (rst),
       .in_valid_i (laid_valid),
       .in_ready_o (laid_ready),
       .in_data_i  (laid),
@@ -301,7 +293,7 @@ module slog_board
       .ResultDepth(ResultDepth)
   ) u_correlator (
       .clk_i         (correlator_clk),
-      .rst_i         (rst_correlator),
+      .rst_i         (rst),
       .job_valid_i   (job_valid),
       .job_ready_o   (job_ready),
       .job_i         (job),

@@ -56,11 +56,11 @@ module slog_filter_bank #(
   logic [CoefBits-1:0] read_g_q, read_g2_q;
   logic read_given_g_q, read_given_g2_q;
   logic [CoefBits-1:0] next_g_q, next_g2_q;  // what the first coefficients take
-  logic end_q;                               // ... the next time for the last time
+  logic end_q;                               // ... now, for the last time
   logic [PulseW-1:0] pulse_q;  // an odd number: a shift begins
   logic [Coefs-1:0] shift_q;   // [k]: coefficient k takes the one before it; a shift in every other clock
   logic loading_q, clear_q;    // clear_q: after reset, with zeros
-  logic loading, last;
+  logic loading;
   // Commit.
   logic active_q;
   logic calm;                  // a commit waits and no camera is active
@@ -74,8 +74,7 @@ module slog_filter_bank #(
   assign size_new = apply_q && within_q == '1 && differs_q != '0;
   assign calm     = pending_q && !active_q && !apply_q && !loading_q;
   assign apply    = calm && quiet_q[Settle-1];
-  assign last     = shift_q[0] && end_q;
-  assign loading  = apply_q || (loading_q && !last);
+  assign loading  = apply_q || (loading_q && !end_q);
 
   always_ff @(posedge clk_i) begin
     coef_q  <= coef_value_i;
@@ -104,7 +103,6 @@ module slog_filter_bank #(
     read_given_g2_q <= given_g2_q[place_q] && !clear_q;
     next_g_q        <= read_given_g_q ? read_g_q : '0;
     next_g2_q       <= read_given_g2_q ? read_g2_q : '0;
-    end_q           <= shift_q[1] && place_q == '0;
   end
 
   for (genvar k = 0; k < Coefs; k++) begin : g_coef
@@ -121,6 +119,7 @@ module slog_filter_bank #(
       pulse_q   <= PulseW'(2 * Coefs);
       shift_q   <= '0;
       place_q   <= PlaceW'(Coefs - 1);
+      end_q     <= 1'b0;
       loading_q <= 1'b1;
       clear_q   <= 1'b1;
     end else begin
@@ -129,7 +128,8 @@ module slog_filter_bank #(
       shift_q <= {pulse_q[0], shift_q[Coefs-1:1]};
       if (shift_q[1]) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
       loading_q <= loading;
-      if (last) clear_q <= 1'b0;
+      end_q     <= shift_q[1] && place_q == '0;
+      if (end_q) clear_q <= 1'b0;
     end
   end
 

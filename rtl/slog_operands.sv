@@ -111,7 +111,7 @@ module slog_operands #(
     tpl_addr_q4 <= tpl_addr_q3;
   end
 
-  logic keep_a_q, keep_b_q;
+  logic blank_a_q, blank_b_q;
   slog_search_ring #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_search (
       .clk_i,
       .rst_i,
@@ -149,10 +149,10 @@ module slog_operands #(
       .rd_en_i(control_q4.valid), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_b)
   );
   always_ff @(posedge clk_i) begin
-    keep_a_q <= control_q5.valid && !rst_i;
-    keep_b_q <= both_q5 && !rst_i;
-    tpl_a_o  <= keep_a_q ? tpl_a : '0;
-    tpl_b_o  <= keep_b_q ? tpl_b : '0;
+    blank_a_q <= !control_q5.valid || rst_i;
+    blank_b_q <= !both_q5 || rst_i;
+    tpl_a_o   <= blank_a_q ? '0 : tpl_a;
+    tpl_b_o   <= blank_b_q ? '0 : tpl_b;
   end
 
   logic [HoldW-1:0] hold_q;

@@ -3,7 +3,7 @@
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
 // word_last_o count only with word_valid_o.
 //
-// Stages     : 1 pixel    2 word so far    3 word out
+// Stages     : 1 pixel    2, 3 slog_packer_slice: the word so far
 // Latency    : 3 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 3 clocks behind
 //              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; the sink takes every word.
@@ -26,10 +26,11 @@ module slog_packer #(
     output logic                 frame_done_o,
     output logic                 frame_abort_o
 );
+  localparam int unsigned SliceBits = (GroupBits < 16) ? GroupBits : 16;
+
   logic                 bit_q, valid_q, last_q;  // bit_q: and valid
   logic [GroupBits-1:0] place_q;                 // one-hot: where the pixel goes; not used for a word's first
   logic                 fresh_q;                 // the pixel is a word's first
-  logic [GroupBits-1:0] word_q2, word_q3;
   logic                 valid_q2, valid_q3, last_q2, last_q3;
   logic [2:0]           start_q, done_q, abort_q;
   logic                 full;
@@ -41,14 +42,8 @@ module slog_packer #(
     last_q  <= bit_last_i;
     last_q2 <= last_q;
     last_q3 <= last_q2;
-    if (fresh_q) begin
-      word_q2 <= GroupBits'(bit_q);
-      place_q <= GroupBits'(2);
-    end else begin
-      word_q2 <= word_q2 | (bit_q ? place_q : '0);
-      if (valid_q) place_q <= place_q << 1;
-    end
-    word_q3 <= word_q2;
+    if (fresh_q) place_q <= GroupBits'(2);
+    else if (valid_q) place_q <= place_q << 1;
     if (rst_i) begin
       fresh_q  <= 1'b1;
       valid_q  <= 1'b0;
@@ -68,12 +63,25 @@ module slog_packer #(
     end
   end
 
+  for (genvar s = 0; s < GroupBits / SliceBits; s++) begin : g_slice
+    slog_packer_slice #(
+        .Bits (SliceBits),
+        .First(s == 0)
+    ) u_slice (
+        .clk_i,
+        .bit_i  (bit_q),
+        .fresh_i(fresh_q),
+        .place_i(place_q[SliceBits*s+:SliceBits]),
+        .word_o (word_data_o[SliceBits*s+:SliceBits])
+    );
+  end
+
   assign word_valid_o  = valid_q3;
-  assign word_data_o   = word_q3;
   assign word_last_o   = last_q3;
   assign frame_start_o = start_q[2];
   assign frame_done_o  = done_q[2];
   assign frame_abort_o = abort_q[2];
 
+  `SLOG_ASSERT_INIT(SlogPackerSlices, GroupBits % SliceBits == 0)
   `SLOG_ASSERT(SlogPackerAbortAlone, !(bit_abort_i && bit_valid_i))
 endmodule : slog_packer

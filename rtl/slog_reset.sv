@@ -1,13 +1,17 @@
-// A register on the way of a reset: of one block, beside it, kept apart from the others'.
+// The board's reset on its way from a pin to all registers: two registers, then a net that reaches over the whole board.
 //
-// Latency    : 1 clock. At power-up there is a reset.
+// Latency    : 2 clocks. At power-up there is a reset.
 module slog_reset (
     input  logic clk_i,
     input  logic rst_i,
     output logic rst_o
 );
   logic rst_q = 1'b1;
+  logic rst_q2 = 1'b1;
 
-  always_ff @(posedge clk_i) rst_q <= rst_i;
-  assign rst_o = rst_q;
+  always_ff @(posedge clk_i) begin
+    rst_q  <= rst_i;
+    rst_q2 <= rst_q;
+  end
+  assign rst_o = rst_q2;
 endmodule : slog_reset

@@ -29,7 +29,7 @@ module slog_ring_slice #(
     output logic [WordBits+UnitBits-1:0]   a_o,
     output logic [WordBits+UnitBits-1:0]   b_o
 );
-  logic odd_a_q, odd_b_q, wide_q, wide_q2, wide_q3, chunk_q4, keep_a_q, keep_b_q;
+  logic odd_a_q, odd_b_q, wide_q, wide_q2, wide_q3, chunk_q4, blank_a_q, blank_b_q;
   logic [2:0] chunk_q, chunk_q2;
   logic [1:0] chunk_q3;
   logic [WordBits-1:0] a_q2[4], b_q2[4], a_q3[3], b_q3[4], a_q4[2], b_q4[2];
@@ -44,8 +44,9 @@ module slog_ring_slice #(
     chunk_q2 <= chunk_q;
     chunk_q3 <= chunk_q2[1:0];
     chunk_q4 <= chunk_q3[0];
-    keep_a_q <= keep_a_i && !rst_i;
-    keep_b_q <= keep_b_i && !rst_i;
+    // Inverted here, so that they clear the rows themselves, with no logic on the way.
+    blank_a_q <= !keep_a_i || rst_i;
+    blank_b_q <= !keep_b_i || rst_i;
 
     for (int unsigned m = 0; m < 4; m++) begin
       a_q2[m] <= word_i[{odd_a_q, 2'(m)}];
@@ -68,10 +69,10 @@ module slog_ring_slice #(
       b_q4[1] <= b_q3[1];
     end
 
-    if (!keep_a_q) a_o <= '0;
+    if (blank_a_q) a_o <= '0;
     else if (chunk_q4) a_o <= {a_q4[1], a_q4[0][WordBits-1:UnitBits]};
     else a_o <= {a_q4[1][UnitBits-1:0], a_q4[0]};
-    if (!keep_b_q) b_o <= '0;
+    if (blank_b_q) b_o <= '0;
     else if (chunk_q4) b_o <= {b_q4[1], b_q4[0][WordBits-1:UnitBits]};
     else b_o <= {b_q4[1][UnitBits-1:0], b_q4[0]};
   end

@@ -2,9 +2,8 @@
 
 nextpnr's analytic placer moves these two kinds to free sites only when all else has found its place. On a board that
 takes nearly all of them they end far from where they were wanted, and all wires together become nearly twice as long.
-Here they get their sites from a global placement of its own: cells joined by springs, pulled apart in turns until
-they cover the device, block RAMs and multipliers each time towards the sites nearest in sum (after Kim, Lee and Markov,
-"SimPL: an effective placement algorithm", ICCAD 2010).
+Here they get their sites from a global placement of its own: the wires pull, and cells of a kind repel one another like
+charges until each kind covers what the device has for it (after Lu et al., "ePlace", ACM TODAES 20(2), 2015).
 """
 
 from __future__ import annotations
@@ -16,24 +15,29 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sparse
+import scipy.fft
+from scipy.ndimage import gaussian_filter
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse.linalg import cg
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
+Plane = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 Indices = np.ndarray[tuple[int], np.dtype[np.intp]]
 
 WIDTH, HEIGHT = 126, 95
 """Tiles of the device."""
 GROUPS = (4, 13, 22, 31, 40, 49, 58, 69, 78, 87, 96, 105, 114)
 """Columns at which groups of four block RAMs and of four multipliers begin."""
-ROUNDS = 20
-SLABS = 24
+BINS = 64
+"""Of the charges' grid, on each side."""
+BLUR = 2.0
+"""Standard deviation in bins of what a kind's sites count for around them: they lie in few rows."""
+ROOM = 11
+"""Cells that a tile holds, of its sixteen look-up tables and flip-flops: what is more than the board's is held free."""
+TURNS = 600
+PUSH, CROWDED, FAR = 1.03, 0.07, 0.3
+"""A kind's charge grows by PUSH each turn, while more than FAR of its cells, or CROWDED of the logic, have no place."""
 MOST_PINS = 300
 """Nets of more pins (clock, reset) say nothing about where a cell belongs."""
-PULL = 0.004
-"""A cell's pull towards its last place, in shares of its springs', after one round; it grows each round, and is three
-times that for blocks."""
 
 
 @dataclass(frozen=True)
@@ -64,32 +68,119 @@ def _nets(cells: Sequence[Mapping[str, Any]]) -> list[list[int]]:
     return [sorted(u) for u in users.values() if 1 < len(u) < MOST_PINS]
 
 
-def _springs(nets: Sequence[Sequence[int]], cells: int) -> sparse.csr_matrix:
-    """Stiffness between every cell and its nets' centres, which are numbered behind the cells."""
-    pin = np.concatenate([np.asarray(net, np.intp) for net in nets])
-    size = np.array([len(net) for net in nets])
-    centre = np.repeat(np.arange(len(nets)) + cells, size)
-    weight = np.repeat(1 / np.sqrt(size), size)
-    total = cells + len(nets)
-    one_way = sparse.coo_matrix((weight, (pin, centre)), (total, total))
-    return sparse.csr_matrix(one_way + one_way.T)
+@dataclass(frozen=True)
+class Wires:
+    """Nets as lists of cells, one behind the other: `cell` and `net` of each pin, and the `first` pin of each net."""
+
+    cell: Indices
+    net: Indices
+    first: Indices
+
+    @classmethod
+    def of(cls, nets: Sequence[Sequence[int]]) -> Wires:
+        """Wires of nets given by their cells."""
+        sizes = [len(net) for net in nets]
+        return cls(np.concatenate([np.asarray(net, np.intp) for net in nets]), np.repeat(np.arange(len(nets)), sizes),
+                   np.cumsum([0, *sizes[:-1]]))
+
+    def pull(self, at: Vector, smooth: float) -> Vector:
+        """Growth of all nets' extents along one axis with each cell's place: the weighted-average model.
+
+        Args:
+            at: the cells' places, in tiles.
+            smooth: tiles over which a net's outermost pins share its pull.
+        """
+        pin = at[self.cell]
+        grown = np.zeros(len(pin))
+        for side in (1, -1):
+            x = side * pin
+            weight = np.exp((x - np.maximum.reduceat(x, self.first)[self.net]) / smooth)
+            total = np.add.reduceat(weight, self.first)
+            mean = np.add.reduceat(weight * x, self.first) / total
+            grown += side * weight * (1 + (x - mean[self.net]) / smooth) / total[self.net]
+        slope: Vector = np.bincount(self.cell, grown, len(at)).astype(np.float64)
+        return slope
 
 
-def _apart(along: Vector, across: Vector, length: float) -> Vector:
-    """`along`, in slabs of equal number by `across` moved half-way to where each cell of a slab has the same room."""
-    moved = along.copy()
-    for slab in np.array_split(np.argsort(across, kind="stable"), SLABS):
-        order = slab[np.argsort(along[slab], kind="stable")]
-        moved[order] = (along[order] + (np.arange(len(order)) + 0.5) / max(len(order), 1) * length) / 2
-    return moved
+class Charges:
+    """Cells of one kind, which repel one another, on a plane with a capacity that attracts them."""
+
+    def __init__(self, members: Indices, capacity: Plane) -> None:
+        """Take the cells' numbers, and what each bin has room for, in any unit."""
+        self.members = members
+        self.capacity = capacity / capacity.sum()
+        waves = [np.pi * np.arange(BINS) / length for length in (WIDTH, HEIGHT)]
+        square = waves[0][:, None] ** 2 + waves[1] ** 2
+        square[0, 0] = np.inf  # the mean charge has no field
+        self.inverse = 1 / square
+
+    def push(self, place: Plane) -> tuple[Plane, float]:
+        """The force on each member along both axes, and the share of them that is where there is no room."""
+        bins = np.clip(place[:, self.members] * [[BINS / WIDTH], [BINS / HEIGHT]] - 0.5, 0, BINS - 1.001)
+        low = bins.astype(np.intp)
+        part = bins - low
+        corners = [(low[0] + i, low[1] + j, (part[0] if i else 1 - part[0]) * (part[1] if j else 1 - part[1]))
+                   for i in (0, 1) for j in (0, 1)]
+        charge = np.zeros(BINS * BINS)
+        for column, row, weight in corners:
+            charge += np.bincount(column * BINS + row, weight, BINS * BINS)
+        excess = charge.reshape(BINS, BINS) / len(self.members) - self.capacity
+        potential = scipy.fft.idctn(scipy.fft.dctn(excess, norm="ortho") * self.inverse, norm="ortho")
+        field = np.gradient(potential, WIDTH / BINS, HEIGHT / BINS)
+        force = np.array([-sum(weight * along[column, row] for column, row, weight in corners) for along in field])
+        return force * len(self.members), float(np.maximum(excess, 0).sum())
 
 
 def _assigned(x: Vector, y: Vector, sites: Sequence[Site]) -> Indices:
     """For each block wanted at x, y a site of its own, the displacements small in sum."""
     at = np.array([(s.x, s.y) for s in sites], np.float64)
     cost = np.abs(x[:, None] - at[:, 0]) + np.abs(y[:, None] - at[:, 1])
-    chosen: Indices = linear_sum_assignment(cost**1.5)[1]
+    chosen: Indices = linear_sum_assignment(cost**2.5)[1]
     return chosen
+
+
+def _spread(nets: Sequence[Sequence[int]], cells: int, kinds: Sequence[Charges], seed: int) -> Plane:
+    """Places of all cells, the first `cells` of them on nets: Nesterov's method on wires and charges together."""
+    wires = Wires.of(nets)
+    total = cells + sum(int(np.sum(kind.members >= cells)) for kind in kinds)
+    rng = np.random.default_rng(seed)
+    size = np.array([[WIDTH], [HEIGHT]], np.float64)
+    at = size / 2 + rng.normal(0, 6, (2, total))
+    at[:, cells:] = rng.uniform(0, 1, (2, total - cells)) * size
+    stiff = np.ones(total)
+    stiff[:cells] = np.maximum(np.bincount(wires.cell, minlength=cells), 1)
+    momentum, ahead, crowd = 1.0, at, [1.0] * len(kinds)
+    charge: list[float] = []
+    before: tuple[Plane, Plane] | None = None
+    for _ in range(TURNS):
+        smooth = float(np.clip(8 * 10 ** ((crowd[0] - 0.1) * 20 / 9 - 1), 0.5, 30))
+        slope = np.zeros_like(at)
+        for axis in range(2):
+            slope[axis, :cells] = wires.pull(ahead[axis, :cells], smooth)
+        forces = []
+        for k, kind in enumerate(kinds):
+            force, crowd[k] = kind.push(ahead)
+            forces.append(force)
+        if not charge:
+            charge = [0.02 * np.abs(slope[:, kind.members]).sum() / max(np.abs(force).sum(), 1e-9)
+                      for kind, force in zip(kinds, forces, strict=True)]
+        for k, kind in enumerate(kinds):
+            slope[:, kind.members] -= charge[k] * forces[k]
+            if k == 0 or crowd[k] > FAR:
+                charge[k] *= PUSH
+        slope /= stiff
+        if before is None:
+            step = 0.5 / max(float(np.abs(slope).mean()), 1e-9)
+        else:
+            step = float(np.linalg.norm(ahead - before[0])) / max(float(np.linalg.norm(slope - before[1])), 1e-12)
+        before = ahead, slope
+        moved = np.clip(ahead - step * slope, 0, size - 1e-3)
+        faster = (1 + np.sqrt(4 * momentum**2 + 1)) / 2
+        ahead = np.clip(moved + (momentum - 1) / faster * (moved - at), 0, size - 1e-3)
+        at, momentum = moved, faster
+        if crowd[0] < CROWDED:
+            break
+    return at
 
 
 def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> dict[str, str]:
@@ -106,54 +197,26 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> dict[str
         ValueError: there are more of them than sites.
     """
     names, number = list(cells), len(cells)
-    kinds = {kind: np.array([i for i, name in enumerate(names) if cells[name]["type"] == kind], np.intp)
-             for kind in SITES}
-    for kind, members in kinds.items():
+    blocks = {kind: np.array([i for i, name in enumerate(names) if cells[name]["type"] == kind], np.intp)
+              for kind in SITES}
+    for kind, members in blocks.items():
         if len(members) > len(SITES[kind]):
             raise ValueError(f"{len(members)} {kind}, but the device has {len(SITES[kind])}")
-    blocks = np.concatenate(list(kinds.values()))
     nets = _nets(list(cells.values()))
-    if not len(blocks) or not nets:
+    blocks = {kind: members for kind, members in blocks.items() if len(members)}
+    if not blocks or not nets:
         return {}
-    others = np.setdiff1d(np.arange(number), blocks)
-    pins, first = np.concatenate([np.asarray(net, np.intp) for net in nets]), np.cumsum([0, *map(len, nets[:-1])])
-    springs = _springs(nets, number)
-    degree = np.maximum(np.asarray(springs.sum(axis=1)).ravel(), 1e-3)
-    pull = degree[:number] * PULL
-    pull[blocks] *= 3
-
-    rng = np.random.default_rng(seed)
-    size = np.array([WIDTH, HEIGHT], np.float64)
-    place = size[:, None] / 2 + rng.normal(0, 5, (2, len(degree)))
-    wanted = place[:, :number].copy()
-    best, sites = np.inf, {}
-    for turn in range(ROUNDS):
-        anchor = np.zeros_like(degree)
-        anchor[:number] = pull * max(turn, 0.01)
-        system = sparse.csr_matrix(sparse.diags(degree + anchor) - springs)
-        inverse = sparse.diags(1 / (degree + anchor))
-        for axis in range(2):
-            target = np.zeros_like(degree)
-            target[:number] = wanted[axis]
-            place[axis] = cg(system, anchor * target, x0=place[axis], M=inverse, maxiter=120, rtol=1e-4)[0]
-        wanted = place[:, :number].copy()
-        for axis in range(2):
-            wanted[axis, others] = _apart(wanted[axis, others], wanted[1 - axis, others], size[axis])
-            # Block RAMs and multipliers go with what lies beside them.
-            wanted[axis, blocks] = np.interp(place[axis, blocks], np.sort(place[axis, others]),
-                                             np.sort(wanted[axis, others]))
-        found = {}
-        for kind, members in kinds.items():
-            chosen = _assigned(wanted[0, members], wanted[1, members], SITES[kind])
-            for member, k in zip(members, chosen, strict=True):
-                site = SITES[kind][k]
-                found[names[member]] = site.bel
-                wanted[:, member] = site.x, site.y
-        reach = wanted[:, pins]
-        length = float(np.sum(np.maximum.reduceat(reach, first, 1) - np.minimum.reduceat(reach, first, 1)))
-        if length < best:
-            best, sites = length, found
-    return sites
+    logic = np.setdiff1d(np.arange(number), np.concatenate(list(blocks.values())))
+    free = min(max(WIDTH * HEIGHT * ROOM - len(logic), 0), 2 * len(logic))
+    kinds = [Charges(np.concatenate([logic, np.arange(number, number + free)]), np.ones((BINS, BINS)))]
+    for kind, members in blocks.items():
+        capacity = np.zeros((BINS, BINS))
+        for site in SITES[kind]:
+            capacity[site.x * BINS // WIDTH, site.y * BINS // HEIGHT] += 1
+        kinds.append(Charges(members, gaussian_filter(capacity, BLUR, mode="nearest")))
+    place = _spread(nets, number, kinds, seed)
+    return {names[member]: SITES[kind][k].bel for kind, members in blocks.items()
+            for member, k in zip(members, _assigned(place[0, members], place[1, members], SITES[kind]), strict=True)}
 
 
 def constrain(path: Path) -> None:

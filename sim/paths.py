@@ -22,6 +22,8 @@ WITH_OUTPUT_REGISTER = 1.0
 SETUP = {"TRELLIS_FF": 0.0, "MULT18X18D": 0.5}
 """Nanoseconds before the clock; 0.4 for block RAM and distributed RAM."""
 MUXES = "PFUMX", "L6MUX21"
+GLOBAL = "DCCA"
+"""Global network, which nextpnr counts as immediate."""
 NUMBER = re.compile(r"\d+")
 TILE = re.compile(r"X(\d+)/Y(\d+)/")
 PACKED = ("", "$COMB0", "$CCU2_COMB0", "$DPRAM_COMB0", "$RAMW_SLICE")
@@ -44,6 +46,8 @@ def distance(start: Place, end: Place) -> float:
 
 def through(kind: str, pin: str, out: str) -> float:
     """Nanoseconds from an input pin of a cell without a register to an output pin."""
+    if kind == GLOBAL:
+        return 0.0
     if kind in MUXES:
         return 0.25 if pin in ("C0", "SD") else 0.2
     if kind == "CCU2C":
@@ -97,9 +101,12 @@ class Netlist:
                     yield pin, bit, cell["port_directions"][pin] == "output"
 
     def _wire(self, bit: int, kind: str, pin: str, name: str) -> float:
+        driver = self.drivers.get(bit, ("", ""))[0]
+        if driver and self.cells[driver]["type"] == GLOBAL:
+            return 0.0
         if pin == "CIN" if kind == "CCU2C" else kind in MUXES and pin in ("ALUT", "BLUT", "D0", "D1"):
             return 0.0
-        start, end = self.place(self.drivers.get(bit, ("", ""))[0]), self.place(name)
+        start, end = self.place(driver), self.place(name)
         if start is None or end is None:
             return wire(self.loads[bit])
         return 0.0 if pin == "DI" and start == end else distance(start, end)

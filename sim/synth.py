@@ -32,18 +32,18 @@ TOP = "slog_board"
 DEVICE = "LFE5U-85F-6"
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGET_MHZ = 150
-PLACE_AND_ROUTE = ("--placer", "heap", "--placer-heap-timingweight", "30", "--router", "router2")
-"""With the floorplan this placer is nextpnr's quickest for `full`; this weight shortens its slowest path; the default
-router has hung on its last wires."""
+PLACE_AND_ROUTE = ("--placer", "static", "--router", "router2")
+"""Of nextpnr's placers the one that makes the best of the floorplan: the shortest wires, the fewest that are too long.
+The default router has hung on its last wires."""
 EBR_LIMIT_MHZ = 212.0
 """Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
 AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
-PRIMITIVES = ("DP16KD", "MULT18X18D")
+PRIMITIVES = ("DP16KD", "MULT18X18D", "DCCA")
 BLOCKS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_grid", "slog_fetch", "slog_sequencer",
           "slog_operands", "slog_array", "slog_peak")
 KEPT = ("slog_store_slice", "slog_ring_slice", "slog_csr", "slog_axil", "slog_video_in", "slog_walker",
-        "slog_peak_scan", "slog_line_bank", "slog_taps_window", "slog_taps_slice", "slog_reset")
-"""Kept apart like blocks: slices and resets, registers that are copies of one another and would be merged; and modules
+        "slog_peak_scan", "slog_line_bank", "slog_taps_window", "slog_taps_slice", "slog_packer_slice")
+"""Kept apart like blocks: slices, whose registers are copies of one another on purpose and would be merged; and modules
 of much choice a clock, which are mapped for speed only where nothing beside them is slower."""
 COSTS = {
     "lut4": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 4},

@@ -130,3 +130,12 @@ module MULT18X18D #(
   end
 `endif
 endmodule : MULT18X18D
+
+// Global clock network, always on.
+module DCCA (
+    input  logic CLKI,
+    input  logic CE,
+    output logic CLKO
+);
+  assign CLKO = CLKI && CE;
+endmodule : DCCA
