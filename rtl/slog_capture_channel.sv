@@ -60,7 +60,7 @@ module slog_capture_channel #(
   logic free_q;                                      // none
   logic serving_q;                                   // any but the first
   logic pass_q, give_q;                              // a check ends in this clock: the frame is written, or given up
-  logic [2:0] slot_q, slot_q2, check_q;
+  logic [2:0] slot_q, slot_q2, slot_q3, check_q;
   logic [7:0] slot_mask_q;
   logic word_q, last_q, frame_start_q, frame_done_q, frame_abort_q, slot_busy_q;
   logic came_q, last_q2, push_q;                     // word_q a clock later; ... and it is written
@@ -92,7 +92,7 @@ module slog_capture_channel #(
   always_comb begin
     slot_base = '0;
     for (int unsigned s = 0; s < Slots; s++) begin
-      if (slot_q2 == 3'(s)) slot_base = AddrW'(s * SlotWords);
+      if (slot_q3 == 3'(s)) slot_base = AddrW'(s * SlotWords);
     end
   end
 
@@ -149,9 +149,10 @@ module slog_capture_channel #(
     data_q2     <= data_q;
     if (arm_i) slot_q <= slot_i;
     slot_q2     <= slot_q;
+    slot_q3     <= slot_q2;
     slot_mask_q <= 8'd1 << slot_q;
     base_q      <= slot_base;
-    base_row_q  <= slot_base + AddrW'(WordsPerRow);
+    base_row_q  <= base_q + AddrW'(WordsPerRow);
     if (clear_q) was_valid_q <= slot_valid_i;
     if (wait_q) check_q <= CheckClocks - 3'd1;
     else if (check_q != '0) check_q <= check_q - 1'b1;

@@ -28,7 +28,7 @@ module slog_packer #(
 );
   localparam int unsigned SliceBits = (GroupBits < 16) ? GroupBits : 16;
 
-  logic                 bit_q, valid_q, last_q;  // bit_q: and valid
+  logic                 blank_q, valid_q, last_q;  // blank_q: the pixel is 0 or missing
   logic [GroupBits-1:0] place_q;                 // one-hot: where the pixel goes; not used for a word's first
   logic                 fresh_q;                 // the pixel is a word's first
   logic                 valid_q2, valid_q3, last_q2, last_q3;
@@ -38,7 +38,7 @@ module slog_packer #(
   assign full = last_q || (place_q[GroupBits-1] && !fresh_q);
 
   always_ff @(posedge clk_i) begin
-    bit_q   <= bit_valid_i && bit_i;
+    blank_q <= !(bit_valid_i && bit_i);
     last_q  <= bit_last_i;
     last_q2 <= last_q;
     last_q3 <= last_q2;
@@ -69,7 +69,7 @@ module slog_packer #(
         .First(s == 0)
     ) u_slice (
         .clk_i,
-        .bit_i  (bit_q),
+        .blank_i(blank_q),
         .fresh_i(fresh_q),
         .place_i(place_q[SliceBits*s+:SliceBits]),
         .word_o (word_data_o[SliceBits*s+:SliceBits])

