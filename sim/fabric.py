@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 GLOBAL = "DCCA"
+"""Cell that drives a global network."""
 REACHED = {"TRELLIS_FF": ("CLK", "LSR", "CE"), "DP16KD": ("CLKA", "CLKB"), "MULT18X18D": ("CLK0",),
            "TRELLIS_DPR16X4": ("WCK",)}
 """Pins that a network leads to, by kind of cell."""

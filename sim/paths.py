@@ -16,14 +16,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from sim.fabric import GLOBAL
+
 CLOCK_TO_OUT = {"TRELLIS_FF": 0.52, "DP16KD": 5.6, "PDPW16KD": 5.6, "MULT18X18D": 4.0}
 """Nanoseconds from the clock to a register's output, for blocks without an output register."""
 WITH_OUTPUT_REGISTER = 1.0
 SETUP = {"TRELLIS_FF": 0.0, "MULT18X18D": 0.5}
 """Nanoseconds before the clock; 0.4 for block RAM and distributed RAM."""
 MUXES = "PFUMX", "L6MUX21"
-GLOBAL = "DCCA"
-"""Global network, which nextpnr counts as immediate."""
 NUMBER = re.compile(r"\d+")
 TILE = re.compile(r"X(\d+)/Y(\d+)/")
 PACKED = ("", "$COMB0", "$CCU2_COMB0", "$DPRAM_COMB0", "$RAMW_SLICE")
@@ -47,7 +47,7 @@ def distance(start: Place, end: Place) -> float:
 def through(kind: str, pin: str, out: str) -> float:
     """Nanoseconds from an input pin of a cell without a register to an output pin."""
     if kind == GLOBAL:
-        return 0.0
+        return 0.0  # nextpnr counts the network as immediate
     if kind in MUXES:
         return 0.25 if pin in ("C0", "SD") else 0.2
     if kind == "CCU2C":
