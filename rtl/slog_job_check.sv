@@ -124,6 +124,8 @@ module slog_job_check
   assign status_o = status_q;
   assign area_o   = area_q;
 
+  `SLOG_ASSERT_INIT(SlogJobCheckCodes, StatusOk == 0 && StatusBadWindow == 1 && StatusNoOffsets == 2
+                                       && StatusBadSlot == 3 && StatusOutside == 4)
   `SLOG_ASSERT(SlogJobCheckOneAtATime, !(start_i && busy_q))
   `SLOG_ASSERT(SlogJobCheckStable, busy_q |-> $stable(job_i))
 endmodule : slog_job_check
