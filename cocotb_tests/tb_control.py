@@ -26,7 +26,7 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
             master.write(fields()["irq_enable.drop"].address, rng.randrange(1, 16))
         if len(master.waiting) < 4:
             address = rng.choice(addresses)
-            if rng.random() < 0.3:
+            if rng.random() < 0.4:
                 address = rng.choice(commands)
             if rng.random() < 0.6:
                 data = rng.getrandbits(32) | -(rng.random() < 0.5) & 1 << 31

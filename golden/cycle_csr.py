@@ -63,10 +63,12 @@ class CsrModel:
         self.w: tuple[int, int] | None = None
         self.under_way, self.read_last = False, False
         self.begun: Request | None = None  # the access that begins in this clock
+        self.asked: Request | None = None  # that of the clock before, on its way
         self.request: Request | None = None
         self.found: Request | None = None  # the request of the clock before, its strobe on its way
         self.decoded: Request | None = None  # that of two clocks before, at its register
         self.read: tuple[int | None] | None = None  # what the one of three clocks before reads
+        self.read2: tuple[int | None] | None = None  # ... and of four
         self.answer: tuple[int | None] | None = None  # what the read path answers in this clock
         self.bvalid, self.rvalid = False, False
 
@@ -114,11 +116,12 @@ class CsrModel:
         wrote = request is not None and request.is_write
         self.rvalid = self.answer is not None or (self.rvalid and not i["s_axil_rready"])
         self.bvalid = wrote or (self.bvalid and not i["s_axil_bready"])
-        self.answer = self.read
+        self.answer, self.read2 = self.read2, self.read
         self.read = None if request is None or wrote else (self._read(request.address, status),)
         self._store(request if wrote else None, events)
         begun = self.begun
-        self.decoded, self.found, self.request, self.begun = self.found, self.request, begun, chosen
+        self.decoded, self.found, self.request, self.asked = self.found, self.request, self.asked, begun
+        self.begun = chosen
         if begun is not None:
             self.read_last = not begun.is_write
         if chosen is not None:

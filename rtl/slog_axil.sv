@@ -2,9 +2,9 @@
 //
 // A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
 //
-// Latency    : a request leaves 3 clocks after the last channel of its access was accepted; bvalid and rvalid follow the
+// Latency    : a request leaves 4 clocks after the last channel of its access was accepted; bvalid and rvalid follow the
 //              register block's answer by 1 clock. What req_o asks for stays until then. Nothing is accepted in reset.
-// Throughput : an access every 4 clocks and the register block's latency, if its response is taken at once.
+// Throughput : an access every 5 clocks and the register block's latency, if its response is taken at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
 module slog_axil #(
@@ -45,10 +45,11 @@ module slog_axil #(
   logic aw_free_q, w_free_q, ar_free_q;  // none does, and none did in reset
   logic aw, w, ar;
   logic ar_waits_q;            // ... of WaitAddr
-  logic [AddrW-1:0] awaddr_q, araddr_q, addr_q;
-  logic [31:0] wdata_q, data_q, rdata_q;
-  logic [3:0] wstrb_q, strb_q;
-  logic under_way_q, read_last_q, req_q, is_wr_q, bvalid_q, rvalid_q;
+  logic w_new_q;               // data may have come in the clock before
+  logic [AddrW-1:0] awaddr_q, araddr_q, addr_q, addr_q2;
+  logic [31:0] wdata_q, wdata_q2, data_q, rdata_q;
+  logic [3:0] wstrb_q, wstrb_q2, strb_q;
+  logic under_way_q, read_last_q, req_q, req_q2, is_wr_q, is_wr_q2, bvalid_q, rvalid_q;
   logic read_q, write_q;       // the access begins
   logic begin_q;               // either: apart from them, because it enables all of what is asked for
   logic can_read, can_write;
@@ -72,7 +73,9 @@ module slog_axil #(
       read_q      <= 1'b0;
       write_q     <= 1'b0;
       read_last_q <= 1'b0;
+      w_new_q     <= 1'b0;
       req_q       <= 1'b0;
+      req_q2      <= 1'b0;
       bvalid_q    <= 1'b0;
       rvalid_q    <= 1'b0;
     end else begin
@@ -85,7 +88,9 @@ module slog_axil #(
       w_free_q  <= !w;
       ar_free_q <= !ar;
       begin_q   <= can_read || can_write;
+      w_new_q   <= w_free_q;
       req_q     <= begin_q;
+      req_q2    <= req_q;
       bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
       rvalid_q <= rd_ack_i || (rvalid_q && !rready_i);
       if (read_q) read_last_q <= 1'b1;
@@ -97,9 +102,12 @@ module slog_axil #(
 
   always_ff @(posedge clk_i) begin
     if (aw_free_q) awaddr_q <= awaddr_i;
-    if (w_free_q) begin
-      wdata_q <= wdata_i;
-      wstrb_q <= wstrb_i;
+    // The pins lie far apart: enabled is what comes after them.
+    wdata_q <= wdata_i;
+    wstrb_q <= wstrb_i;
+    if (w_new_q) begin
+      wdata_q2 <= wdata_q;
+      wstrb_q2 <= wstrb_q;
     end
     if (ar_free_q) begin
       araddr_q   <= araddr_i;
@@ -108,9 +116,11 @@ module slog_axil #(
     if (begin_q) begin
       addr_q  <= write_q ? awaddr_q : araddr_q;
       is_wr_q <= write_q;
-      data_q  <= wdata_q;
-      strb_q  <= wstrb_q;
+      data_q  <= wdata_q2;
+      strb_q  <= wstrb_q2;
     end
+    addr_q2  <= addr_q;
+    is_wr_q2 <= is_wr_q;
     if (rd_ack_i) rdata_q <= rd_data_i;
   end
 
@@ -121,9 +131,9 @@ module slog_axil #(
   assign rvalid_o    = rvalid_q;
   assign rdata_o     = rdata_q;
   assign busy_o      = aw_q || w_q || ar_q || under_way_q;
-  assign req_o       = req_q;
-  assign req_is_wr_o = is_wr_q;
-  assign req_addr_o  = addr_q & ~AddrW'(3);
+  assign req_o       = req_q2;
+  assign req_is_wr_o = is_wr_q2;
+  assign req_addr_o  = addr_q2 & ~AddrW'(3);
   assign req_data_o  = data_q;
   for (genvar i = 0; i < 4; i++) begin : g_byte
     assign req_biten_o[8*i+:8] = {8{strb_q[i]}};

@@ -3,7 +3,7 @@
 A request's strobe is decoded in one clock and on its way to its register in the next; with it goes what is written.
 Reads are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
 (address, direction, data, enables) must stay for two clocks after it, as `slog_axil` keeps it; a write is acknowledged
-two clocks after its request, a read four, with what the registers held two clocks after it.
+two clocks after its request, a read five, with what the registers held two clocks after it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ DECODER = """
     end
 """
 WORDS = """
-    // Every word of the map; then four times the OR of four, the first of the one that is read and of zeros.
+    // Every word of the map; then the OR of two, of which one may be read, and of four, of four, of two such.
     logic [31:0] readback_word[64];
     always_comb begin
         automatic logic [31:0] readback_data_var;
@@ -40,20 +40,21 @@ CHOICES = """
             readback_word[word] = readback_data_var;
         end
     end
-    logic [31:0] readback_four[16];
-    logic [31:0] readback_sixteen[4];
-    logic readback_read;
+    logic [31:0] readback_two[32];
+    logic [31:0] readback_eight[8];
+    logic [31:0] readback_half[2];
+    logic [1:0] readback_read;
     always_ff @(posedge clk) begin
-        for(int i=0; i<16; i++) readback_four[i] <= (readback_word[4*i] & {32{decoded_read[4*i]}})
-                                                  | (readback_word[4*i+1] & {32{decoded_read[4*i+1]}})
-                                                  | (readback_word[4*i+2] & {32{decoded_read[4*i+2]}})
-                                                  | (readback_word[4*i+3] & {32{decoded_read[4*i+3]}});
-        for(int i=0; i<4; i++) readback_sixteen[i] <= readback_four[4*i] | readback_four[4*i+1]
-                                                    | readback_four[4*i+2] | readback_four[4*i+3];
-        readback_read <= rst ? '0 : decoded_req & ~decoded_req_is_wr;
-        readback_done <= rst ? '0 : readback_read;
+        for(int i=0; i<32; i++) readback_two[i] <= (readback_word[2*i] & {32{decoded_read[2*i]}})
+                                                 | (readback_word[2*i+1] & {32{decoded_read[2*i+1]}});
+        for(int i=0; i<8; i++) readback_eight[i] <= readback_two[4*i] | readback_two[4*i+1]
+                                                  | readback_two[4*i+2] | readback_two[4*i+3];
+        for(int i=0; i<2; i++) readback_half[i] <= readback_eight[4*i] | readback_eight[4*i+1]
+                                                 | readback_eight[4*i+2] | readback_eight[4*i+3];
+        readback_read <= rst ? '0 : {readback_read[0], decoded_req & ~decoded_req_is_wr};
+        readback_done <= rst ? '0 : readback_read[1];
     end
-    assign readback_data = readback_sixteen[0] | readback_sixteen[1] | readback_sixteen[2] | readback_sixteen[3];
+    assign readback_data = readback_half[0] | readback_half[1];
     assign readback_err = '0;
 """
 EDITS = (
