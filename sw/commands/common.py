@@ -65,7 +65,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         except (FileExistsError, NotADirectoryError) as error:
             _fail(f"{error.filename} is a file: choose another folder with --out")
         except OSError as error:
-            _fail(f"{error.filename or 'file'}: {error.strerror or error}")
+            _fail(f"{error.filename or 'file'}: {error.strerror or error}; mend that, or choose another --out")
         except KeyboardInterrupt:
             notes.print("signum: stopped; what was finished is kept")
             raise typer.Exit(130) from None
