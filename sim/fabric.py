@@ -2,13 +2,14 @@
 
 The networks of an ECP5 lead to registers' clock, reset and enable pins. nextpnr leads one to a look-up table too, on
 fabric wires that it then keeps from all others, which may leave another net without a way. So whatever else reads a
-network here reads the register that drives it.
+network here reads a register like the one that drives it: each block has its own, as they lie far apart.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -19,31 +20,54 @@ REACHED = {"TRELLIS_FF": ("CLK", "LSR", "CE"), "DP16KD": ("CLKA", "CLKB"), "MULT
 """Pins that a network leads to, by kind of cell."""
 
 
-def move(cells: Mapping[str, Mapping[str, Any]]) -> int:
-    """Let loads that no network reaches read what drives theirs.
+def move(module: Mapping[str, Any]) -> int:
+    """Let loads that no network reaches read a copy of the register that drives theirs.
 
     Args:
-        cells: of a flat netlist, as Yosys writes it; their connections are changed.
+        module: a flat netlist, as Yosys writes it; its cells' connections are changed, copies of registers added.
 
     Returns:
         Number of pins moved.
+
+    Raises:
+        ValueError: a network with such loads is not driven by a register.
     """
+    cells = module["cells"]
+    registers = {cell["connections"]["Q"][0]: cell for cell in cells.values() if cell["type"] == "TRELLIS_FF"}
     drivers = {cell["connections"]["CLKO"][0]: cell["connections"]["CLKI"][0] for cell in cells.values()
                if cell["type"] == GLOBAL}
+    free = max(bit for cell in cells.values() for bits in cell["connections"].values() for bit in bits
+               if isinstance(bit, int))
+    copies: dict[tuple[int, str], int] = {}
+    new: dict[str, Any] = {}
     moved = 0
-    for cell in cells.values():
+    for name, cell in cells.items():
+        block = ".".join(name.split(".")[:2])
         for pin, bits in cell["connections"].items():
             if cell["port_directions"][pin] == "output" or pin in REACHED.get(cell["type"], ()):
                 continue
-            new = [drivers.get(bit, bit) for bit in bits]
-            moved += sum(a != b for a, b in zip(bits, new, strict=True))
-            cell["connections"][pin] = new
+            for place, bit in enumerate(bits):
+                if bit not in drivers:
+                    continue
+                if drivers[bit] not in registers:
+                    raise ValueError(f"{name}.{pin} reads a global network that no register drives")
+                if (bit, block) not in copies:
+                    free += 1
+                    copies[bit, block] = free
+                    copy = deepcopy(registers[drivers[bit]])
+                    copy["connections"]["Q"] = [free]
+                    called = f"{block}.fabric{len(new)}"
+                    new[called] = copy
+                    module["netnames"][called] = {"hide_name": 0, "bits": [free], "attributes": {}}
+                bits[place] = copies[bit, block]
+                moved += 1
+    cells.update(new)
     return moved
 
 
 def move_in(path: Path) -> int:
     """`move` in the netlist at `path`, as `sim.synth` wrote it."""
     design = json.loads(path.read_text())
-    moved = move(max((module["cells"] for module in design["modules"].values()), key=len))
+    moved = move(max(design["modules"].values(), key=lambda module: len(module["cells"])))
     path.write_text(json.dumps(design))
     return moved
