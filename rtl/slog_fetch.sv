@@ -210,8 +210,7 @@ module slog_fetch
       last_q   <= last;
       more_q   <= !last;
       for (int unsigned s = 0; s < 8; s++) begin
-        slot_busy_o[s] <= !idle_q && (slot_busy_o[s] ||
-                                      (mark_q && (job_q.tpl_slot == 3'(s) || job_q.search_slot == 3'(s))));
+        slot_busy_o[s] <= !idle_q && (job_q.tpl_slot == 3'(s) || job_q.search_slot == 3'(s));
       end
       ticket_valid_q <= issue_q || (ticket_valid_q && !ticket_ready_i);
       banks_used_q   <= banks_used_q + 2'(accept_q) - 2'(bank_free_i);
