@@ -98,7 +98,7 @@ def everyday(h: Host) -> Script:
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
     yield from capture_pair(h, planes, (0, 1))
-    jobs = [replace(random_job(h.rng, tag, SIZE), surface=tag < 4) for tag in range(6)] + refused_jobs(6)
+    jobs = [replace(random_job(h.rng, tag, SIZE), surface=tag < 5) for tag in range(6)] + refused_jobs(6)
     h.rng.shuffle(jobs)
     yield from work(h, planes, jobs, 2)
     check_results(h, jobs, {s: planes[s] for s in (0, 1)})

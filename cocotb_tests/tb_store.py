@@ -56,7 +56,7 @@ async def every_clock(dut, reads: str, peeks: str) -> None:
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """Read to data 6 clocks; peek to done 7 when nothing else is read, the wait for a free clock on top."""
+    """Read to data 8 clocks; peek to done 9 when nothing else is read, the wait for a free clock on top."""
     p = params()
     seen: list[tuple[int, str, int | None]] = []
     quiet = {"rst_i": 0, "wr_valid_i": 0, "rd_valid_i": 0, "peek_valid_i": 0}
@@ -64,15 +64,15 @@ async def latency(dut) -> None:
     def script() -> Stimulus:
         yield {**quiet, "wr_valid_i": 1, "wr_addr_i": 700, "wr_data_i": 0xA5}
         yield {**quiet, "wr_valid_i": 1, "wr_addr_i": 3, "wr_data_i": 0x3C, "rd_valid_i": 1, "rd_addr_i": 700}
-        for _ in range(8):
+        for _ in range(10):
             yield quiet
         yield {**quiet, "peek_valid_i": 1, "peek_addr_i": 3}
-        for _ in range(8):
+        for _ in range(10):
             yield quiet
         yield {**quiet, "peek_valid_i": 1, "peek_addr_i": 700}
         for _ in range(3):
             yield {**quiet, "rd_valid_i": 1, "rd_addr_i": 3}
-        for _ in range(8):
+        for _ in range(10):
             yield quiet
 
     clock = 0
@@ -86,5 +86,5 @@ async def latency(dut) -> None:
         clock += 1
 
     await check_cycles(dut, StoreModel(p["Words"]), script(), note)
-    assert seen == [(1 + STORE_LATENCY, "read", 0xA5), (10 + 1 + STORE_LATENCY, "peek", 0x3C),
-                    (19 + 4 + STORE_LATENCY, "peek", 0xA5)]
+    assert seen == [(1 + STORE_LATENCY, "read", 0xA5), (12 + 1 + STORE_LATENCY, "peek", 0x3C),
+                    (23 + 4 + STORE_LATENCY, "peek", 0xA5)]

@@ -4,7 +4,7 @@ import pytest
 
 from sim.runner import simulate
 
-SOURCES = ["rtl/slog_fifo.sv", "rtl/slog_capture_channel.sv", "rtl/slog_capture.sv"]
+SOURCES = ["rtl/slog_capture_channel.sv", "rtl/slog_capture_slice.sv", "rtl/slog_capture.sv"]
 
 
 @pytest.mark.parametrize("cameras", [2, 1])

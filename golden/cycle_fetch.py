@@ -15,6 +15,8 @@ from golden.structs import TICKET, unpack_job
 
 PAUSE = 3
 """Clocks between a job's two rectangles: the end is noticed, the next plan taken, its first row begun."""
+ASKED = 2
+"""Clocks from the choice of a word to its store read: its address is made, and travels."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,6 @@ class FetchModel:
         self.align = AlignModel(config.group_bits)
         self.job = 0
         self.ticket: int | None = None
-        self.rd_addr: int | None = None
         self.data = 0  # rd_data_i of the clock before
         self.slot_valid = 0  # slot_valid_i of the clock before
         self.sides: list[Read] = []  # by number: a side word of the align model
@@ -64,7 +65,7 @@ class FetchModel:
         self.banks_used = 0
         self.bank = 1
         self.reads: deque[Read] = deque()
-        self.flight: list[int | None] = [None] * (STORE_LATENCY + 2)
+        self.flight: list[int | None] = [None] * (ASKED + STORE_LATENCY + 2)
         self.pause = 0  # clocks before the next rectangle's first read
         self.ring, self.full = 0, False
         self.limits = deque([self.config.ring_rows] * 2)  # of the next clock, of the one after it
@@ -74,7 +75,7 @@ class FetchModel:
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         c = self.config
-        arriving = self.flight[-1]
+        arriving, asking = self.flight[-1], self.flight[ASKED]
         aligned = self.align.step({
             "rst_i": i["rst_i"], "in_valid_i": int(arriving is not None),
             "in_emit_i": int(arriving is not None and self.sides[arriving].emit), "in_data_i": self.data,
@@ -88,8 +89,7 @@ class FetchModel:
         state = self.state
         out: dict[str, int | None] = {
             "job_ready_o": int(self.state == "idle"), "slot_busy_o": self.busy_slots,
-            "rd_valid_o": int(self.flight[0] is not None),
-            "rd_addr_o": None if self.flight[0] is None else self.rd_addr,
+            "rd_valid_o": int(asking is not None), "rd_addr_o": None if asking is None else self.sides[asking].addr,
             "wr_valid_o": aligned["out_valid_o"], "wr_data_o": aligned["out_data_o"],
             "wr_tpl_o": None if side is None else int(side.tpl), "wr_wide_o": None if side is None else int(side.wide),
             "wr_bank_o": None if side is None else side.bank, "wr_row_o": None if side is None else side.row,
@@ -113,7 +113,6 @@ class FetchModel:
             read = self.reads.popleft()
             self.sides.append(read)
             self.flight.insert(0, len(self.sides) - 1)
-            self.rd_addr = read.addr
             if read.ring_end:
                 self.ring = (ring + 1) % self.counter
             if not self.reads:
@@ -131,7 +130,7 @@ class FetchModel:
         if i["ticket_ready_i"]:
             self.offered = False
         if out["job_ready_o"]:
-            self.job = i["job_i"]
+            self.job, self.busy_slots = i["job_i"], 0
             if i["job_valid_i"]:
                 self.state = "mark"
         elif state == "mark":
@@ -152,7 +151,7 @@ class FetchModel:
                                        "area": area})
             self.offered = True
             if status != Status.OK:
-                self.state, self.busy_slots = "idle", 0
+                self.state = "idle"
             else:
                 self.state = "load"
                 self.banks_used += 1
@@ -163,7 +162,7 @@ class FetchModel:
         elif state == "end":
             self.state = "over"
         elif state == "over":
-            self.state, self.busy_slots = "idle", 0
+            self.state = "idle"
         if i["rst_i"]:
             self._reset()
         return out

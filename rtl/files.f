@@ -52,6 +52,7 @@ slog_packer.sv
 slog_frontend.sv
 slog_correlator.sv
 slog_capture_channel.sv
+slog_capture_slice.sv
 slog_capture.sv
 slog_filter_bank.sv
 slog_peek.sv

@@ -40,20 +40,20 @@ module slog_capture #(
     output logic                              refused_o,       // the last command was refused
     output logic                              done_o           // pulse: a slot became valid
 );
-  logic [Cameras-1:0] clear, set, finish, out_valid, out_ready;
+  localparam int unsigned Depth  = 4;  // of each camera's queue
+  localparam int unsigned WordW  = AddrW + GroupBits;
+  localparam int unsigned SliceW = 16;
+
+  logic [Cameras-1:0] clear, set, finish, push, empty, pop;
   logic [Cameras-1:0][2:0] slot;
   logic [Cameras-1:0][7:0] slot_mask;
-  logic [Cameras-1:0][AddrW-1:0] out_addr;
-  logic [Cameras-1:0][GroupBits-1:0] out_data;
-  // The words at the fronts of the queues a clock ago, and whether there were any; camera 0's waits for nothing.
-  logic any_q, first_q;
-  logic [Cameras-1:0][AddrW-1:0] out_addr_q;
-  logic [Cameras-1:0][GroupBits-1:0] out_data_q;
+  logic [Cameras-1:0][AddrW-1:0] addr;
+  logic [Cameras-1:0][GroupBits-1:0] data;
+  logic any_q;  // a word waited in the last clock
   logic [7:0] slot_valid_d, slot_valid_q;
   logic refused, refused_q, done_q;
   logic wr_valid_q;
-  logic [AddrW-1:0] wr_addr_q;
-  logic [GroupBits-1:0] wr_data_q;
+  logic [WordW-1:0] word;
 
   // The command, a clock old, and whether the other camera holds its slot. Without such a slot it asks for no camera.
   logic [Cameras-1:0] ask_q, cancel_q, ask, arm, held, free, same_q;
@@ -101,7 +101,8 @@ module slog_capture #(
         .GroupBits(GroupBits),
         .Slots(Slots),
         .SlotWords(SlotWords),
-        .WordsPerRow(WordsPerRow)
+        .WordsPerRow(WordsPerRow),
+        .Depth(Depth)
     ) u_channel (
         .clk_i,
         .rst_i,
@@ -117,10 +118,11 @@ module slog_capture #(
         .frame_start_i(frame_start_i[c]),
         .frame_done_i (frame_done_i[c]),
         .frame_abort_i(frame_abort_i[c]),
-        .wr_valid_o   (out_valid[c]),
-        .wr_ready_i   (out_ready[c]),
-        .wr_addr_o    (out_addr[c]),
-        .wr_data_o    (out_data[c]),
+        .push_o       (push[c]),
+        .addr_o       (addr[c]),
+        .data_o       (data[c]),
+        .empty_o      (empty[c]),
+        .pop_i        (pop[c]),
         .slot_o       (slot[c]),
         .slot_mask_o  (slot_mask[c]),
         .armed_o      (armed_o[c]),
@@ -142,11 +144,30 @@ module slog_capture #(
     if (clear_i) slot_valid_d = '0;
   end
 
-  always_comb begin
-    out_ready = '0;
-    for (int c = Cameras - 1; c >= 0; c--) begin
-      if (out_valid[c]) out_ready = Cameras'(1) << c;
+  assign pop[0] = !empty[0];
+  if (Cameras > 1) begin : g_second
+    assign pop[1] = !empty[1] && empty[0];
+  end
+
+  for (genvar s = 0; s < (WordW + SliceW - 1) / SliceW; s++) begin : g_slice
+    localparam int unsigned Low  = s * SliceW;
+    localparam int unsigned Bits = (WordW - Low < SliceW) ? WordW - Low : SliceW;
+    logic [Cameras-1:0][Bits-1:0] part;
+    for (genvar c = 0; c < Cameras; c++) begin : g_part
+      assign part[c] = Bits'({addr[c], data[c]} >> Low);
     end
+    slog_capture_slice #(
+        .Cameras(Cameras),
+        .Width  (Bits),
+        .Depth  (Depth)
+    ) u_slice (
+        .clk_i,
+        .rst_i,
+        .push_i (push),
+        .data_i (part),
+        .empty_i(empty),
+        .data_o (word[Low+:Bits])
+    );
   end
 
   always_ff @(posedge clk_i) begin
@@ -160,22 +181,14 @@ module slog_capture #(
       slot_valid_q <= slot_valid_d;
       refused_q    <= refused;
       done_q       <= finish != '0;
-      any_q        <= out_valid != '0;
+      any_q        <= empty != '1;
       wr_valid_q   <= any_q;
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    first_q    <= out_valid[0];
-    out_addr_q <= out_addr;
-    out_data_q <= out_data;
-    wr_addr_q  <= first_q ? out_addr_q[0] : out_addr_q[Cameras-1];
-    wr_data_q  <= first_q ? out_data_q[0] : out_data_q[Cameras-1];
-  end
-
   assign wr_valid_o   = wr_valid_q;
-  assign wr_addr_o    = wr_addr_q;
-  assign wr_data_o    = wr_data_q;
+  assign wr_addr_o    = word[WordW-1:GroupBits];
+  assign wr_data_o    = word[GroupBits-1:0];
   assign slot_valid_o = slot_valid_q;
   assign refused_o    = refused;
   assign done_o       = done_q;

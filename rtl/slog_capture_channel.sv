@@ -8,17 +8,18 @@
 //
 //   stage  registers
 //   1      what comes from the front end, and whether the correlator reads the slot
-//   2      push_q, with the word and its address: it goes into the queue
-//   3      the queue: wr_*_o
-// Latency    : word_valid_i to wr_valid_o 3 clocks when the queue is empty; frame_done_i to set_o 4 clocks when nothing
+//   2      push_o, with the word and its address: it goes into the queue (slog_capture_slice)
+//   3      the queue's level: empty_o
+// Latency    : word_valid_i to push_o 2 clocks, empty_o falls one later; frame_done_i to set_o 4 clocks when nothing
 //              waits for the store, else 3 after the last word has left the queue.
-// Throughput : a word per clock in, as fast out as the store takes it; FifoDepth covers two cameras' narrow row ends.
+// Throughput : a word per clock in, as fast out as the store takes it; Depth covers two cameras' narrow row ends.
 `include "slog_assert.svh"
 module slog_capture_channel #(
     parameter  int unsigned GroupBits   = 64,
     parameter  int unsigned Slots       = 6,
     parameter  int unsigned SlotWords   = 4800,
     parameter  int unsigned WordsPerRow = 10,
+    parameter  int unsigned Depth       = 4,
     localparam int unsigned AddrW       = $clog2(Slots * SlotWords)
 ) (
     input  logic                 clk_i,
@@ -35,10 +36,11 @@ module slog_capture_channel #(
     input  logic                 frame_start_i,
     input  logic                 frame_done_i,
     input  logic                 frame_abort_i,
-    output logic                 wr_valid_o,
-    input  logic                 wr_ready_i,
-    output logic [AddrW-1:0]     wr_addr_o,
-    output logic [GroupBits-1:0] wr_data_o,
+    output logic                 push_o,          // a word for the queue
+    output logic [AddrW-1:0]     addr_o,
+    output logic [GroupBits-1:0] data_o,
+    output logic                 empty_o,         // none waits in it
+    input  logic                 pop_i,           // one leaves it, only if there is one
     output logic [2:0]           slot_o,
     output logic [7:0]           slot_mask_o,     // the same one-hot, a clock later
     output logic                 armed_o,         // a request waits or is being served, with this clock's command in it
@@ -49,8 +51,6 @@ module slog_capture_channel #(
     output logic                 set_o,           // ... set
     output logic                 finish_o         // ... set for a new frame
 );
-  localparam int unsigned FifoDepth = 4;
-  localparam int unsigned LevelW = $clog2(FifoDepth + 1);
   // The slot shows as invalid from the second; what the correlator reads is looked at in the last but one. Between them a
   // job that still saw the slot valid, a clock late, has marked it, and the mark has come here, two clocks late.
   localparam logic [2:0] CheckClocks = 3'd5;
@@ -68,10 +68,8 @@ module slog_capture_channel #(
   logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, start, held, back;
   logic left_q;                                      // finishing, and the last word is on its way to the store
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
-  /* verilator lint_off UNUSEDSIGNAL */
-  logic [LevelW-1:0] level;
-  logic ready;
-  /* verilator lint_on UNUSEDSIGNAL */
+  logic [Depth:0] level_q;                           // words in the queue, one-hot
+  logic up, down;
 
   assign start       = wait_q && frame_start_q && !ask_i && !cancel_i;
   assign held        = !cancel_i && (arm_i || (held_q && !finish_q));
@@ -88,6 +86,12 @@ module slog_capture_channel #(
   assign held_o      = held_q;
   assign free_o      = free_q;
   assign writing_o   = serving_q;
+  assign push_o      = push_q;
+  assign addr_o      = addr_q;
+  assign data_o      = data_q2;
+  assign empty_o     = level_q[0];
+  assign up          = push_q && !pop_i;
+  assign down        = pop_i && !push_q;
 
   always_comb begin
     slot_base = '0;
@@ -114,6 +118,7 @@ module slog_capture_channel #(
       word_q        <= 1'b0;
       came_q        <= 1'b0;
       push_q        <= 1'b0;
+      level_q       <= (Depth + 1)'(1);
       frame_start_q <= 1'b0;
       frame_done_q  <= 1'b0;
       frame_abort_q <= 1'b0;
@@ -124,6 +129,8 @@ module slog_capture_channel #(
       frame_abort_q <= frame_abort_i;
       came_q        <= word_q;
       push_q        <= word_q && writing_q;
+      level_q       <= ({Depth + 1{up}} & level_q << 1) | ({Depth + 1{down}} & level_q >> 1)
+                     | ({Depth + 1{!(up || down)}} & level_q);
       held_q        <= held;
       free_q        <= !held;
       serving_q     <= start || (serving_q && !back && !finish_q && !cancel_i);
@@ -135,7 +142,7 @@ module slog_capture_channel #(
       pass_q        <= judge && !slot_busy_q;
       give_q        <= judge && slot_busy_q;
       set_q         <= restore || finish;
-      left_q        <= finishing_q && !push_q && !wr_valid_o;
+      left_q        <= finishing_q && !push_q && level_q[0];
       finish_q      <= finish;
     end
   end
@@ -166,23 +173,9 @@ module slog_capture_channel #(
     end
   end
 
-  slog_fifo #(
-      .Width(AddrW + GroupBits),
-      .Depth(FifoDepth),
-      .Kept (1'b1)
-  ) u_fifo (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (push_q),
-      .in_ready_o (ready),
-      .in_data_i  ({addr_q, data_q2}),
-      .out_valid_o(wr_valid_o),
-      .out_ready_i(wr_ready_i),
-      .out_data_o ({wr_addr_o, wr_data_o}),
-      .level_o    (level)
-  );
-
-  `SLOG_ASSERT(SlogCaptureRoom, push_q |-> ready)
+  `SLOG_ASSERT(SlogCaptureLevel, $onehot(level_q))
+  `SLOG_ASSERT(SlogCaptureRoom, push_q |-> !level_q[Depth])
+  `SLOG_ASSERT(SlogCaptureWaits, pop_i |-> !level_q[0])
   `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_q)
   `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i == (ask_i && !writing_o))
   `SLOG_ASSERT(SlogCaptureStates, $onehot0({wait_q, checking_q, writing_q, finishing_q}))

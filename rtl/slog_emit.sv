@@ -4,8 +4,8 @@
 //
 // Stage  registers   valid after the clock of last_i (bit 0 of lane 0; bit i of lane k: + i + k)
 //   1    token_q     1: marks the total bit to take in that clock
-//   2    pair_q      2: AND-OR of two lanes
-//   3    few_q       3: OR of four pairs
+//   2    pair_q      2: AND-OR of two lanes that are neighbours, as they are on the device
+//   3    few_q       3: OR of four pairs, likewise
 //   4    word_q      4: OR of all
 //   -    early_q     the lower bits wait for the top one: 3 + ScoreBits
 //
@@ -73,18 +73,18 @@ module slog_emit #(
 
   always_ff @(posedge clk_i) begin
     if (move_i) begin
-      static logic [ScoreBits-1:0] upper[Pairs];
+      static logic [ScoreBits-1:0] taken[2*Pairs];
       static logic [ScoreBits-1:0] pair[4*Fews];
       static logic [ScoreBits-1:0] few[Fews];
       static logic [ScoreBits-1:0] word;
-      upper[Pairs-1] = '0;
+      taken[2*Pairs-1] = '0;
       /* verilator unroll_disable */
-      for (int unsigned p = 0; p < Lanes - Pairs; p++) upper[p] = total_i[p+Pairs] & token_q[p+Pairs];
+      for (int unsigned k = 0; k < Lanes; k++) taken[k] = total_i[k] & token_q[k];
       for (int unsigned p = Pairs; p < 4 * Fews; p++) pair[p] = '0;
       /* verilator unroll_disable */
-      for (int unsigned p = 0; p < Pairs; p++) pair[p] = (total_i[p] & token_q[p]) | upper[p];
+      for (int unsigned p = 0; p < Pairs; p++) pair[p] = taken[2*p] | taken[2*p+1];
       for (int unsigned f = 0; f < Fews; f++) begin
-        few[f] = pair_q[f] | pair_q[f+Fews] | pair_q[f+2*Fews] | pair_q[f+3*Fews];
+        few[f] = pair_q[4*f] | pair_q[4*f+1] | pair_q[4*f+2] | pair_q[4*f+3];
       end
       word = '0;
       for (int unsigned f = 0; f < Fews; f++) word |= few_q[f];

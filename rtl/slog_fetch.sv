@@ -5,12 +5,14 @@
 // counted modulo twice the ring (counter bit RowW-1 is the wrap), from reset on, job after job.
 //
 //   clock  registers (read of a store word)
+//   -2     line_q, tpl_row_q: its row
+//   -1     rd_addr_q
 //   0      rd_valid_o, rd_addr_o
 //   S      rd_data_i (S = slog_store_pkg::StoreLatency)
 //   +1     data_q
 //   +A     wr_*_o, aligned (A = latency of slog_align: 4 at 64 bits)
 //   +1     rows_written_o, tpl_done_o
-// Latency    : job to ticket 14 clocks when a template bank is free, first read 2 clocks after.
+// Latency    : job to ticket 14 clocks when a template bank is free, first read 4 clocks after.
 // Throughput : one store read a clock, without gaps in a row or between rows; a job takes 20 clocks plus its reads.
 // Rules      : a row is loaded when the ring has room for it; the ring is filled to its last row.
 //              slot_busy_o marks the slots of the present job from the second clock after it is taken, which is when the
@@ -122,16 +124,17 @@ module slog_fetch
 
   // Template banks: given out in turn, come back in turn.
   logic [1:0] banks_used_q;
+  logic [7:0] width_q;               // of the job, on its way
   logic bank_q, broad_q, wide_q, ticket_valid_q, refused_q, accept, refuse;
   logic accept_q, refuse_q;          // issue_q, and the job is accepted, refused
   ticket_t ticket_q;
   assign accept = wait_q && !ticket_valid_q && !refused_q && !banks_used_q[1];
   assign refuse = wait_q && !ticket_valid_q && refused_q;
 
-  // The read under way: word word_q of the row that begins at line_q. A rectangle's plan is taken (take_q) and its first
-  // row begun (the clock after) as if a row had ended each time: step_q is high in these clocks and when a word is read.
-  // Between rectangles last_q and last_row_q are high, and nothing depends on the other registers here.
-  logic take_q, walk_q, step_q, active_q;  // walk_q is !take_q, a register of its own for addresses and counts
+  // The read under way: word word_q of the row that begins, a clock later, at line_q. A rectangle's plan is taken
+  // (take_q) and its first row begun (the clock after) as if a row had ended each time: step_q is high in these clocks
+  // and when a word is read. Between rectangles last_q and last_row_q are high, and nothing depends on the others here.
+  logic take_q, walk_q, step_q, active_q;  // walk_q is !take_q, a register of its own for the counts
   logic end_q;                       // the rectangle's last word was read in the last clock
   logic go_q;                        // a word is read in this clock
   logic last_q, last_row_q;          // it is its row's last, its row the rectangle's
@@ -141,16 +144,17 @@ module slog_fetch
   logic spare_q;                     // a row touches one word more than it fills
   logic [9:0] rows_left_q;           // after the next row
   logic [ShiftW-1:0] shift_q;
-  logic [7:0] tpl_row_q;
+  logic [7:0] tpl_row_q;             // of the read in the clock before
   logic [RowW-1:0] ring_q;           // ring rows given out, mod 2*RingRows
+  logic next_row_q, walk_q2, turn_q2;  // a clock later, for addresses and the template's rows, which have the time
   logic last, next_row, given, rect_end, go, blocked, next_blocked;
   assign next_row = step_q && last_q;
   assign given    = go_q && last_q && search_q;
   // Of a row's address the lowest bits are those of all rows: kept apart, they need no enable of their own.
   localparam int unsigned SameW = $clog2(WordsPerRow & -WordsPerRow);
   logic [AddrW-1:0] next_line;
-  assign next_line = walk_q ? next_line_q + AddrW'(WordsPerRow) :
-                     turn_q ? search_plan.addr[AddrW-1:0] : tpl_plan.addr[AddrW-1:0];
+  assign next_line = walk_q2 ? next_line_q + AddrW'(WordsPerRow) :
+                     turn_q2 ? search_plan.addr[AddrW-1:0] : tpl_plan.addr[AddrW-1:0];
   assign rect_end = go_q && last_q && last_row_q;
   assign last     = !step_q ? last_q : last_q ? last_row_q || words_in_q == '0 : left_q == 4'd1;
   assign go       = go_q ? more_q || !(last_row_q || next_blocked) : active_q && !blocked;
@@ -205,8 +209,9 @@ module slog_fetch
       step_q   <= accept || end_q || take_q || go;
       last_q   <= last;
       more_q   <= !last;
-      if (mark_q) slot_busy_o <= (8'd1 << job_q.tpl_slot) | (8'd1 << job_q.search_slot);
-      else if (refuse_q || over_q) slot_busy_o <= '0;
+      for (int unsigned s = 0; s < 8; s++) begin
+        slot_busy_o[s] <= !idle_q && (job_q.tpl_slot == 3'(s) || job_q.search_slot == 3'(s));
+      end
       ticket_valid_q <= issue_q || (ticket_valid_q && !ticket_ready_i);
       banks_used_q   <= banks_used_q + 2'(accept_q) - 2'(bank_free_i);
       if (accept_q) bank_q <= !bank_q;
@@ -217,7 +222,8 @@ module slog_fetch
   always_ff @(posedge clk_i) begin
     if (!held_q) job_q <= job_i;
     refused_q <= status != StatusOk;
-    broad_q   <= job_q.width > 8'(Width);
+    width_q   <= job_q.width;
+    broad_q   <= width_q > 8'(Width);
     if (issue_q) begin
       ticket_q <= '{job: job_q, status: status, bank: !bank_q, row: 9'(ring_q), area: area};
       wide_q   <= broad_q;
@@ -236,13 +242,14 @@ module slog_fetch
       word_q <= last_q ? '0 : word_q + 1'b1;
       left_q <= last_q ? words_in_q : left_q - 1'b1;
     end
-    if (next_row) begin
-      line_q      <= next_line_q;
-      rows_left_q <= walk_q ? rows_left_q - 1'b1 : turn_q ? search_plan.rows : tpl_plan.rows;
-    end
-    for (int unsigned b = 0; b < AddrW; b++) if ((b < SameW) ? !walk_q : next_row) next_line_q[b] <= next_line[b];
-    if (!walk_q) tpl_row_q <= '1;
-    else if (next_row) tpl_row_q <= tpl_row_q + 1'b1;
+    if (next_row) rows_left_q <= walk_q ? rows_left_q - 1'b1 : turn_q ? search_plan.rows : tpl_plan.rows;
+    next_row_q <= next_row;
+    walk_q2    <= walk_q;
+    turn_q2    <= turn_q;
+    if (next_row_q) line_q <= next_line_q;
+    for (int unsigned b = 0; b < AddrW; b++) if ((b < SameW) ? !walk_q2 : next_row_q) next_line_q[b] <= next_line[b];
+    if (!walk_q2) tpl_row_q <= '1;
+    else if (next_row_q) tpl_row_q <= tpl_row_q + 1'b1;
   end
 
   // Room in the ring: free rows are known a few clocks late, never early. Whether the ring has come to the limit, or will
@@ -268,18 +275,21 @@ module slog_fetch
     end
   end
 
-  // What goes along with a word from the store read to the operand write.
-  logic [StoreLatency+1:0] read_q;
-  side_t side_q[StoreLatency+2];
-  logic [AddrW-1:0] rd_addr_q;
+  // What goes along with a word to the operand write. Before the store read its address is made, and travels.
+  localparam int unsigned Asked = 2;  // the place of the store read in read_q
+  localparam int unsigned Came  = Asked + StoreLatency + 1;
+  logic [Came:0] read_q;
+  side_t side_q[Came+1];
+  logic [AddrW-1:0] rd_addr_q, rd_addr_q2;
   logic [Width-1:0] data_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) read_q <= '0;
-    else read_q <= {read_q[StoreLatency:0], go_q};
+    else read_q <= {read_q[Came-1:0], go_q};
   end
   always_ff @(posedge clk_i) begin
-    data_q    <= rd_data_i;
-    rd_addr_q <= line_q + AddrW'(word_q);
+    data_q     <= rd_data_i;
+    rd_addr_q  <= line_q + AddrW'(side_q[0].word);
+    rd_addr_q2 <= rd_addr_q;
     side_q[0] <= '{
         shift: shift_q,
         emit: !(last_q && spare_q),
@@ -288,10 +298,12 @@ module slog_fetch
         tpl: tpl_q,
         wide: wide_q,
         bank: bank_q,
-        row: tpl_q ? tpl_row_q : 8'(ring_q[RowW-2:0]),
+        row: 8'(ring_q[RowW-2:0]),
         word: word_q
     };
-    for (int unsigned s = 1; s <= StoreLatency + 1; s++) if (read_q[s-1]) side_q[s] <= side_q[s-1];
+    // The read's own flag has enough to do without an enable here.
+    for (int unsigned s = 1; s <= Came; s++) if (s == Asked + 1 || read_q[s-1]) side_q[s] <= side_q[s-1];
+    if (read_q[0] && side_q[0].tpl) side_q[1].row <= tpl_row_q;
   end
 
   // The shift has done its work by the end.
@@ -304,11 +316,11 @@ module slog_fetch
   ) u_align (
       .clk_i,
       .rst_i,
-      .in_valid_i (read_q[StoreLatency+1]),
-      .in_emit_i  (side_q[StoreLatency+1].emit),
+      .in_valid_i (read_q[Came]),
+      .in_emit_i  (side_q[Came].emit),
       .in_data_i  (data_q),
-      .in_shift_i (side_q[StoreLatency+1].shift),
-      .in_side_i  (side_q[StoreLatency+1]),
+      .in_shift_i (side_q[Came].shift),
+      .in_side_i  (side_q[Came]),
       .out_valid_o(wr_valid_o),
       .out_data_o (wr_data_o),
       .out_side_o (wr_side)
@@ -329,8 +341,8 @@ module slog_fetch
   end
 
   assign job_ready_o    = idle_q;
-  assign rd_valid_o     = read_q[0];
-  assign rd_addr_o      = rd_addr_q;
+  assign rd_valid_o     = read_q[Asked];
+  assign rd_addr_o      = rd_addr_q2;
   assign wr_tpl_o       = wr_side.tpl;
   assign wr_wide_o      = wr_side.wide;
   assign wr_bank_o      = wr_side.bank;

@@ -4,9 +4,9 @@
 //   area   = width * height, by shift and add
 //
 //   clock  registers (after start_i in clock 0)
-//   1      window, offset and slot tests; right and bottom of the template, extent of the search
-//   2      template against the image; right and bottom of the search; of two tests of a kind, one
-//   3      search against the image
+//   1      width and height; offset and slot tests; right and bottom of the template, extent of the search
+//   2      window tests; template against the image; right and bottom of the search; of two tests of a kind, one
+//   3      search against the image; of the window tests, one
 //   4      outside
 //   5      status_o
 //   9      area_o
@@ -39,7 +39,7 @@ module slog_job_check
   localparam int unsigned StepW = $clog2(Latency);
 
   logic [StepW-1:0] step_q;  // clocks since start_i
-  logic busy_q, done_q;
+  logic busy_q, done_q, first_q;  // first_q: the clock after start_i
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       busy_q <= 1'b0;
@@ -49,7 +49,8 @@ module slog_job_check
       if (start_i) busy_q <= 1'b1;
       else if (step_q == StepW'(Latency - 1)) busy_q <= 1'b0;
     end
-    step_q <= start_i ? StepW'(1) : step_q + 1'b1;
+    step_q  <= start_i ? StepW'(1) : step_q + 1'b1;
+    first_q <= start_i;
   end
 
   function automatic logic bad_size(logic [7:0] size);
@@ -72,24 +73,32 @@ module slog_job_check
   logic [11:0] right_q, bottom_q;                              // first column or row past the search, plus one
   logic tpl_out_q, tpl_below_q, out_q, below_q, outside_q, bad_window_q, no_offsets_q, bad_slot_q;
   status_e status_q;
+  logic [7:0] factor_q, width_q;                               // the height, its highest bit first; the width
+  logic [ScoreW-1:0] area_q;
   always_ff @(posedge clk_i) begin
+    // What depends on the job alone is right from the clock after start_i on, with no enable.
+    width_q       <= job_i.width;
+    factor_q      <= busy_q ? factor_q << 1 : job_i.height;
+    none_across_q <= job_i.offsets_x == '0;
+    none_down_q   <= job_i.offsets_y == '0;
+    tpl_right_q   <= 11'(job_i.tpl_x) + 11'(job_i.width);
+    tpl_bottom_q  <= 11'(job_i.tpl_y) + 11'(job_i.height);
+    span_x_q      <= 11'(job_i.offsets_x) + 11'(job_i.width);
+    span_y_q      <= 11'(job_i.offsets_y) + 11'(job_i.height);
     if (start_i) begin
-      bad_width_q   <= bad_size(job_i.width);
-      bad_height_q  <= bad_size(job_i.height);
-      none_across_q <= job_i.offsets_x == '0;
-      none_down_q   <= job_i.offsets_y == '0;
       for (int unsigned n = 0; n < 2; n++) begin
         good_tpl_q[n]    <= good_slots[{1'(n), job_i.tpl_slot[1:0]}];
         good_search_q[n] <= good_slots[{1'(n), job_i.search_slot[1:0]}];
       end
-      tpl_right_q   <= 11'(job_i.tpl_x) + 11'(job_i.width);
-      tpl_bottom_q  <= 11'(job_i.tpl_y) + 11'(job_i.height);
-      span_x_q      <= 11'(job_i.offsets_x) + 11'(job_i.width);
-      span_y_q      <= 11'(job_i.offsets_y) + 11'(job_i.height);
-      limit_x_q     <= 11'(image_width_i) + 1'b1;
-      limit_y_q     <= 11'(image_height_i) + 1'b1;
+      limit_x_q <= 11'(image_width_i) + 1'b1;
+      limit_y_q <= 11'(image_height_i) + 1'b1;
+    end
+    if (first_q) begin
+      bad_width_q  <= bad_size(width_q);
+      bad_height_q <= bad_size(factor_q);
     end
     if (busy_q) begin
+      area_q      <= (first_q ? '0 : area_q << 1) + (factor_q[7] ? ScoreW'(width_q) : '0);
       tpl_out_q   <= !less(12'(tpl_right_q), 12'(limit_x_q));
       tpl_below_q <= !less(12'(tpl_bottom_q), 12'(limit_y_q));
       right_q     <= 12'(job_i.search_x) + 12'(span_x_q);
@@ -104,19 +113,6 @@ module slog_job_check
       status_q <= status_e'({!bad_window_q && !no_offsets_q && !bad_slot_q && outside_q,
                              !bad_window_q && (no_offsets_q || bad_slot_q),
                              bad_window_q || (!no_offsets_q && bad_slot_q)});
-    end
-  end
-
-  logic [7:0] factor_q, width_q;
-  logic [ScoreW-1:0] area_q;
-  always_ff @(posedge clk_i) begin
-    if (start_i) begin
-      factor_q <= job_i.height;
-      width_q  <= job_i.width;
-      area_q   <= '0;
-    end else if (busy_q) begin
-      factor_q <= factor_q << 1;
-      area_q   <= (area_q << 1) + (factor_q[7] ? ScoreW'(width_q) : '0);
     end
   end
 

@@ -120,7 +120,6 @@ module slog_operands #(
       .wr_pair_i (wr_pair_q),
       .wr_word_i (wr_word_q),
       .wr_data_i (wr_data_q),
-      .read_i    (step_q.valid),
       .wide_i    (step_q.wide),
       .row_i     (step_q.ring_row[RingW-1:0]),
       .chunk_i   (step_q.chunk),

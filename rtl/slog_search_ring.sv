@@ -7,7 +7,7 @@
 // parity r[0], quad parity w[1] and word parity w[0], at address {w >> 2, r >> 1}; so two rows and, in each, two
 // quads that follow one another are read at once.
 //
-// Stage  registers          valid after the clock of read_i, wide_i, row_i, chunk_i
+// Stage  registers          valid after the clock of wide_i, row_i, chunk_i
 //   1    addr_q             1
 //   3    RAM output         3
 //   3-7  slog_ring_slice    7: a_o, b_o; zero unless keep_a_i, keep_b_i were high two clocks before,
@@ -32,7 +32,6 @@ module slog_search_ring #(
     input  logic [RowW-2:0]            wr_pair_i,
     input  logic [3:0]                 wr_word_i,
     input  logic [GroupBits-1:0]       wr_data_i,
-    input  logic                       read_i,
     input  logic                       wide_i,
     input  logic [RowW-1:0]            row_i,
     input  logic [4:0]                 chunk_i,
@@ -44,7 +43,6 @@ module slog_search_ring #(
   localparam int unsigned Depth = (RingRows / 2) * ((WordsPerRow + 3) / 4);
   localparam int unsigned AddrW = $clog2(Depth);
 
-  logic       read_q;
   logic       odd_a_q, odd_a_q2;  // parity of group A's row
   logic       odd_b_q, odd_b_q2;  // parity of group B's row
   logic       wide_q, wide_q2;
@@ -70,7 +68,6 @@ module slog_search_ring #(
   end
 
   always_ff @(posedge clk_i) begin
-    read_q   <= read_i;
     odd_a_q  <= row_i[0];
     odd_a_q2 <= odd_a_q;
     odd_b_q  <= row_i[0] ^ !wide_i;
@@ -98,7 +95,7 @@ module slog_search_ring #(
             .wr_en_i  (wr_en_q[4*r+2*q+w]),
             .wr_addr_i(wr_addr_q[r]),
             .wr_data_i(wr_data_q[r]),
-            .rd_en_i  (read_q),
+            .rd_en_i  (1'b1),  // an enable would have to reach all of them in a clock
             .rd_addr_i(addr_q),
             .rd_data_o(word[r][q][w])
         );

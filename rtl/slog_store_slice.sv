@@ -4,8 +4,9 @@
 //   1      address and write data
 //   2      the same for each bank by itself
 //   3, 4   block RAM and its output register (slog_ram)
-//   5      bank multiplexer
-// Latency    : rd_en_i to data_o 5 clocks, which stays until the next read's.
+//   5      each bank's word, on its way from the block RAMs
+//   6      bank multiplexer
+// Latency    : rd_en_i to data_o 6 clocks, which stays until the next read's.
 // Throughput : one read and one write per clock.
 // Rule       : a word must not be read in the clock in which it is written.
 module slog_store_slice #(
@@ -25,8 +26,8 @@ module slog_store_slice #(
 );
   logic [AddrW-1:0] rd_addr_q, wr_addr_q;
   logic [Width-1:0] wr_data_q, data_q;
-  logic [Banks-1:0] wr_en_q, wr_en_q2, rd_en_q, rd_en_q2, rd_en_q3, rd_en_q4;
-  logic [Banks-1:0][Width-1:0] bank_data;
+  logic [Banks-1:0] wr_en_q, wr_en_q2, rd_en_q, rd_en_q2, rd_en_q3, rd_en_q4, rd_en_q5;
+  logic [Banks-1:0][Width-1:0] bank_data, bank_data_q;
   logic [Width-1:0] chosen;
 
   always_ff @(posedge clk_i) begin
@@ -39,7 +40,9 @@ module slog_store_slice #(
     rd_en_q2  <= rd_en_q;
     rd_en_q3  <= rd_en_q2;
     rd_en_q4  <= rd_en_q3;
-    if (rd_en_q4 != '0) data_q <= chosen;
+    rd_en_q5  <= rd_en_q4;
+    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q4[b]) bank_data_q[b] <= bank_data[b];
+    if (rd_en_q5 != '0) data_q <= chosen;
   end
 
   for (genvar b = 0; b < Banks; b++) begin : g_bank
@@ -70,7 +73,7 @@ module slog_store_slice #(
 
   always_comb begin
     chosen = '0;
-    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q4[b]) chosen = bank_data[b];
+    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q5[b]) chosen = bank_data_q[b];
   end
   assign data_o = data_q;
 endmodule : slog_store_slice

@@ -118,7 +118,7 @@ module slog_walker
   end
 
   step_t step_out_q;
-  logic valid_q, passed_q, next_q, ended_q, final_q, bank_free_q, drained_q;
+  logic valid_q, passed_q, first_pass_q, ended_q, final_q, bank_free_q, drained_q;
   logic [4:0] chunk_q;
   logic [RowW-1:0] free_to_q, freed_q;
   logic [DrainW-1:0] drain_q;  // clocks before drained_o, less two: negative when there are none
@@ -141,9 +141,10 @@ module slog_walker
     end
   end
   always_ff @(posedge clk_i) begin
-    passed_q   <= reload;
-    next_q     <= again_q;
-    if (passed_q) chunk_q <= next_q ? chunk_q + 1'b1 : '0;
+    passed_q     <= reload;
+    first_pass_q <= reload && !again_q;
+    if (first_pass_q) chunk_q <= '0;
+    else if (passed_q) chunk_q <= chunk_q + 1'b1;
     free_to_q  <= row_q.free_to[RowW-1:0];
     final_q    <= row_q.final_row;
     step_out_q <= '{
