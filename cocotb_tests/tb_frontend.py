@@ -24,6 +24,12 @@ def model() -> FrontendModel:
     return FrontendModel(p["MaxWidth"], p["Radius"], p["GroupBits"])
 
 
+def video(rng: random.Random, items: list[Item], common: Inputs, source: str, gap: int = 0) -> Stimulus:
+    """`items` played, the settings there a clock before."""
+    yield common
+    yield from play(items, common, willing(source, rng), rng, gap=gap)
+
+
 def compare(seen: Seen, items: list[Item], sigma: float) -> None:
     g, g2 = kernels(sigma, params()["Radius"])
     wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]
@@ -50,10 +56,10 @@ async def sizes(dut, size: tuple[int, int]) -> None:
             sent.append(seen.clock)
         seen.observe(i, out)
 
-    await check_cycles(dut, model(), play(items, settings(*size, sigma), willing("none", rng), rng), watch)
+    await check_cycles(dut, model(), video(rng, items, settings(*size, sigma), "none"), watch)
     compare(seen, items, sigma)
     assert seen.stalled == 0
-    latency = 24 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
+    latency = 27 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
     rows = [sent[frame * size[1] + p["Radius"]] for frame in range(3)]
     assert [b - a for a, b in zip(rows, seen.first_word, strict=True)] == [latency] * 3
 
@@ -70,8 +76,7 @@ async def bad_frames(dut, source: str) -> None:
         items += [good(texture(rng, width, height)), bad(kind, texture(rng, width, height), rng)]
     items += [good(texture(rng, width, height)), stray(rng, 40), good(texture(rng, width, height))]
     seen = Seen(params()["GroupBits"], width)
-    await check_cycles(dut, model(), play(items, settings(width, height, sigma), willing(source, rng), rng, gap=gap),
-                       seen.observe)
+    await check_cycles(dut, model(), video(rng, items, settings(width, height, sigma), source, gap), seen.observe)
     compare(seen, items, sigma)
 
 
@@ -85,10 +90,11 @@ async def settings_change_in_hold(dut) -> None:
     seen = Seen(params()["GroupBits"], width)
 
     def stimulus() -> Stimulus:
-        for batch, (w, h, sigma) in zip(items, runs, strict=True):
-            yield from play(batch, settings(w, h, sigma), willing("random", rng), rng)
-            for _ in range(20):  # an impatient source
-                out = yield {**settings(w, h, sigma), "hold_i": 1, "tvalid_i": 1, "tuser_i": 1, "tdata_i": 1}
+        for batch, now, following in zip(items, runs, [*runs[1:], runs[-1]], strict=True):
+            yield from video(rng, batch, settings(*now), "random")
+            for n in range(20):  # an impatient source
+                common = settings(*(now if n < 18 else following))
+                out = yield {**common, "hold_i": 1, "tvalid_i": 1, "tuser_i": 1, "tdata_i": 1}
                 assert not out["tready_o"]
 
     await check_cycles(dut, model(), stimulus(), seen.observe)
@@ -108,6 +114,7 @@ async def reset_in_mid_frame(dut) -> None:
     seen = Seen(params()["GroupBits"], width)
 
     def stimulus() -> Stimulus:
+        yield common
         for _ in range(8):
             run = play([good(texture(rng, width, height)) for _ in range(2)], common, willing("none", rng), rng)
             i = next(run)

@@ -22,7 +22,8 @@ def traffic(rng: random.Random) -> Stimulus:
         if left == 0:
             left = rng.randint(1, 12)
             b = operand(rng)
-            yield {"en_i": 0, "a_i": operand(rng), "b_i": b}
+            for _ in range(2):
+                yield {"en_i": 0, "a_i": operand(rng), "b_i": b}
         left -= 1
         yield {"en_i": 1, "a_i": operand(rng), "b_i": b}
 

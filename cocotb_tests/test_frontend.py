@@ -6,7 +6,7 @@ from golden.params import TINY
 from sim.runner import simulate
 
 SIZE = {"MaxWidth": TINY.max_width, "Radius": TINY.radius}
-FIR = ["rtl/slog_mult.sv", "rtl/slog_fir.sv"]
+FIR = ["rtl/slog_mult.sv", "rtl/slog_fir_kernel.sv", "rtl/slog_fir.sv"]
 LINES = ["rtl/slog_ram.sv", "rtl/slog_line_bank.sv", "rtl/slog_line_buffer.sv"]
 TAPS = ["rtl/slog_taps_slice.sv", "rtl/slog_taps_window.sv", "rtl/slog_taps.sv"]
 LOG = [*LINES, *FIR, *TAPS, "rtl/slog_log.sv"]

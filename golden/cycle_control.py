@@ -57,14 +57,15 @@ class FilterBankModel:
         return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
 
     def _shift(self) -> None:
-        """Shift p reaches coefficient k in clock 3 + 2 * p + coefs - 1 - k of the loading; the last one ends it."""
+        """Shift p reaches coefficient k of g in clock 2 + 2 * p + coefs - 1 - k of the loading, of g2 in the next; the
+        last one ends it."""
         if self.load is None:
             return
         count = self.config.coefs
-        shifted = [count + 2 + 2 * p - self.load for p in range(count)]
+        shifted = [count + 1 + 2 * p - self.load for p in range(count)]
         for kernel, values in self.active.items():
             before = [self.next[kernel], *values[:-1]]
-            for k in shifted:
+            for k in (at + kernel for at in shifted):
                 if 0 <= k < count:
                     values[k] = before[k]
         place = count - 1 - sum(k <= 0 for k in shifted)  # of the next shift to come

@@ -71,7 +71,7 @@ class LineBufferModel:
 
 
 class FirModel:
-    """Symmetric FIR. Sums keep their last value."""
+    """Symmetric FIR. Between sums the output is anything."""
 
     INPUTS = ("rst_i", "valid_i", "window_i", "coef_i")
     OUTPUTS = ("sum_o",)
@@ -79,15 +79,13 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (3 + levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (4 + levels(radius)))
         self.sum: int | None = None
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         out: Bits = {"sum_o": self.sum}
-        done = self.pipe.pop()
-        if done is not None:
-            self.sum = done
+        self.sum = self.pipe.pop()
         self.pipe.appendleft(self._sums(i) if i["valid_i"] else None)
         if i["rst_i"]:
             self.pipe = deque([None] * len(self.pipe))
@@ -159,7 +157,7 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 17 + radius + 2 * levels(radius)
+        self.latency = 19 + radius + 2 * levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])

@@ -42,6 +42,7 @@ slog_grid.sv
 slog_video_in.sv
 slog_line_bank.sv
 slog_line_buffer.sv
+slog_fir_kernel.sv
 slog_fir.sv
 slog_taps_slice.sv
 slog_taps_window.sv

@@ -136,12 +136,13 @@ module slog_board
       .irq_o
   );
 
+  // The settings change while hold is high.
   for (genvar c = 0; c < Cameras; c++) begin : g_camera
     logic clk;
     slog_clock_gate u_gate (
         .clk_i,
         .rst_i   (rst),
-        .active_i(vid_tvalid_i[c] || front_busy[c]),
+        .active_i(vid_tvalid_i[c] || front_busy[c] || hold),
         .clk_o   (clk)
     );
     slog_frontend #(

@@ -4,8 +4,8 @@
 // active ones and frames flow again. A staged size outside MinImage..MaxWidth x MaxHeight is not taken (size_error_o).
 // After reset all coefficients become 0 in the same way, and the size is the largest.
 //
-// Coefficients wait in a small memory. The active ones are a chain over the device, each beside its multipliers: they
-// are shifted in, the last one first, the shift itself running from the chain's end to its begin.
+// Coefficients wait in a small memory. The active ones are a chain over the device, each near its multipliers: they are
+// shifted in, the last one first, the shift itself running from the chain's end to its begin; g2 a clock after g.
 //
 // Latency    : commit to the new size is Settle + 3 clocks with idle cameras, to the last coefficient 3 * Coefs more;
 //              busy_o falls with it, after reset too. A coefficient is staged in 2 clocks.
@@ -56,9 +56,9 @@ module slog_filter_bank #(
   logic [CoefBits-1:0] read_g_q, read_g2_q;
   logic read_given_g_q, read_given_g2_q;
   logic [CoefBits-1:0] next_g_q, next_g2_q;  // what the first coefficients take
-  logic end_q;                               // ... now, for the last time
-  logic [PulseW-1:0] pulse_q;  // an odd number: a shift begins
-  logic [Coefs-1:0] shift_q;   // [k]: coefficient k takes the one before it; a shift in every other clock
+  logic end_g_q, end_g2_q;                   // ... now, for the last time
+  logic [PulseW-1:0] pulse_q;  // an even number: a shift of g begins; an odd one: of g2
+  logic [Coefs-1:0] shift_g_q, shift_g2_q;  // [k]: coefficient k takes the one before it; a shift in every other clock
   logic loading_q, clear_q;    // clear_q: after reset, with zeros
   logic loading;
   // Commit.
@@ -74,7 +74,7 @@ module slog_filter_bank #(
   assign size_new = apply_q && within_q == '1 && differs_q != '0;
   assign calm     = pending_q && !active_q && !apply_q && !loading_q;
   assign apply    = calm && quiet_q[Settle-1];
-  assign loading  = apply_q || (loading_q && !end_q);
+  assign loading  = apply_q || (loading_q && !end_g2_q);
 
   always_ff @(posedge clk_i) begin
     coef_q  <= coef_value_i;
@@ -107,29 +107,31 @@ module slog_filter_bank #(
 
   for (genvar k = 0; k < Coefs; k++) begin : g_coef
     always_ff @(posedge clk_i) begin
-      if (shift_q[k]) begin
-        g_q[k]  <= (k == 0) ? next_g_q : g_q[(k==0)?0 : k-1];
-        g2_q[k] <= (k == 0) ? next_g2_q : g2_q[(k==0)?0 : k-1];
-      end
+      if (shift_g_q[k]) g_q[k] <= (k == 0) ? next_g_q : g_q[(k==0)?0 : k-1];
+      if (shift_g2_q[k]) g2_q[k] <= (k == 0) ? next_g2_q : g2_q[(k==0)?0 : k-1];
     end
   end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      pulse_q   <= PulseW'(2 * Coefs);
-      shift_q   <= '0;
-      place_q   <= PlaceW'(Coefs - 1);
-      end_q     <= 1'b0;
-      loading_q <= 1'b1;
-      clear_q   <= 1'b1;
+      pulse_q    <= PulseW'(2 * Coefs);
+      shift_g_q  <= '0;
+      shift_g2_q <= '0;
+      place_q    <= PlaceW'(Coefs - 1);
+      end_g_q    <= 1'b0;
+      end_g2_q   <= 1'b0;
+      loading_q  <= 1'b1;
+      clear_q    <= 1'b1;
     end else begin
       if (apply_q) pulse_q <= PulseW'(2 * Coefs);
       else if (pulse_q != '0) pulse_q <= pulse_q - 1'b1;
-      shift_q <= {pulse_q[0], shift_q[Coefs-1:1]};
-      if (shift_q[1]) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
+      shift_g_q  <= {pulse_q != '0 && !pulse_q[0], shift_g_q[Coefs-1:1]};
+      shift_g2_q <= {pulse_q[0], shift_g2_q[Coefs-1:1]};
+      if (shift_g_q[1]) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
       loading_q <= loading;
-      end_q     <= shift_q[1] && place_q == '0;
-      if (end_q) clear_q <= 1'b0;
+      end_g_q   <= shift_g_q[1] && place_q == '0;
+      end_g2_q  <= end_g_q;
+      if (end_g_q) clear_q <= 1'b0;
     end
   end
 
@@ -180,5 +182,5 @@ module slog_filter_bank #(
   `SLOG_ASSERT_INIT(SlogFilterBankPlaces, Coefs > 1 && Coefs <= Places)
   `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i, 3) == '0 && busy_o)
   `SLOG_ASSERT(SlogFilterBankBusy, busy_o == (pending_q || apply_q || loading_q))
-  `SLOG_ASSERT(SlogFilterBankLoaded, loading_q || (shift_q == '0 && pulse_q == '0))
+  `SLOG_ASSERT(SlogFilterBankLoaded, loading_q || (shift_g_q == '0 && shift_g2_q == '0 && pulse_q == '0))
 endmodule : slog_filter_bank

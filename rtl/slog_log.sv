@@ -3,8 +3,8 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
 // past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : line buffer 7, vertical FIR 4 + L, window Radius + 1, horizontal FIR 4 + L, sum 1; L = clog2(Radius + 2)
-// Latency    : 17 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 43 at radius 16, 33 at radius 8.
+// Stages     : line buffer 7, vertical FIR 5 + L, window Radius + 1, horizontal FIR 5 + L, sum 1; L = clog2(Radius + 2)
+// Latency    : 19 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 45 at radius 16, 35 at radius 8.
 //              busy_o shows a pixel or an abort from 2 clocks after it comes to 1 after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
@@ -14,7 +14,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 17 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 19 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -40,7 +40,7 @@ module slog_log #(
     output logic                  bit_abort_o,
     output logic                  busy_o
 );
-  localparam int unsigned FirLatency = 4 + Levels;
+  localparam int unsigned FirLatency = 5 + Levels;
   localparam int unsigned ToVertical = 7;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap

@@ -9,8 +9,8 @@
 // Latency    : 3 clocks, in all of which, a's own the first, en_i is high.
 // Throughput : one product per clock.
 // Rules      : en_i low says that nothing under way is of any use, and p_o is anything until three clocks after: the
-//              simulator's work is spared, the twin does not care. b_i keeps its value from the clock before en_i
-//              rises until en_i falls.
+//              simulator's work is spared, the twin does not care. b_i keeps its value from two clocks before en_i
+//              rises until en_i falls: the twin takes so long to see it.
 // Formats    : two's complement, 18 x 18 -> 36 bits, exact.
 // Twin       : ecp5/slog_mult.sv is the same module on the ECP5's multiplier block.
 module slog_mult (

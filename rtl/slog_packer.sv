@@ -3,8 +3,8 @@
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
 // word_last_o count only with word_valid_o.
 //
-// Stages     : 1 pixel    2, 3 slog_packer_slice: the word so far
-// Latency    : 3 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 3 clocks behind
+// Stages     : 1 as it comes    2 pixel    3, 4 slog_packer_slice: the word so far
+// Latency    : 4 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 4 clocks behind
 //              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; the sink takes every word.
 `include "slog_assert.svh"
@@ -28,38 +28,45 @@ module slog_packer #(
 );
   localparam int unsigned SliceBits = (GroupBits < 16) ? GroupBits : 16;
 
-  logic                 blank_q, valid_q, last_q;  // blank_q: the pixel is 0 or missing
+  logic                 valid_q, dark_q, last_q;
+  logic                 blank_q2;                // the pixel is 0 or missing
   logic [GroupBits-1:0] place_q;                 // one-hot: where the pixel goes; not used for a word's first
   logic                 fresh_q;                 // the pixel is a word's first
-  logic                 valid_q2, valid_q3, last_q2, last_q3;
-  logic [2:0]           start_q, done_q, abort_q;
+  logic                 anew_q;                  // the next one is, whatever came
+  logic                 valid_q2, valid_q3, valid_q4, last_q2, last_q3, last_q4;
+  logic [3:0]           start_q, done_q, abort_q;
   logic                 full;
 
-  assign full = last_q || (place_q[GroupBits-1] && !fresh_q);
+  assign full = last_q2 || (place_q[GroupBits-1] && !fresh_q);
 
   always_ff @(posedge clk_i) begin
-    blank_q <= !(bit_valid_i && bit_i);
-    last_q  <= bit_last_i;
-    last_q2 <= last_q;
-    last_q3 <= last_q2;
+    dark_q   <= !bit_i;
+    blank_q2 <= !valid_q || dark_q;
+    last_q   <= bit_last_i;
+    last_q2  <= last_q;
+    last_q3  <= last_q2;
+    last_q4  <= last_q3;
+    fresh_q  <= anew_q || (valid_q2 ? full : fresh_q);
     if (fresh_q) place_q <= GroupBits'(2);
-    else if (valid_q) place_q <= place_q << 1;
+    else if (valid_q2) place_q <= place_q << 1;
     if (rst_i) begin
-      fresh_q  <= 1'b1;
+      anew_q   <= 1'b1;
       valid_q  <= 1'b0;
       valid_q2 <= 1'b0;
       valid_q3 <= 1'b0;
+      valid_q4 <= 1'b0;
       start_q  <= '0;
       done_q   <= '0;
       abort_q  <= '0;
     end else begin
-      fresh_q  <= abort_q[0] || (valid_q ? full : fresh_q);
+      anew_q   <= abort_q[0];
       valid_q  <= bit_valid_i;
-      valid_q2 <= valid_q && full;
-      valid_q3 <= valid_q2;
-      start_q  <= {start_q[1:0], bit_start_i};
-      done_q   <= {done_q[1:0], bit_done_i};
-      abort_q  <= {abort_q[1:0], bit_abort_i};
+      valid_q2 <= valid_q;
+      valid_q3 <= valid_q2 && full;
+      valid_q4 <= valid_q3;
+      start_q  <= {start_q[2:0], bit_start_i};
+      done_q   <= {done_q[2:0], bit_done_i};
+      abort_q  <= {abort_q[2:0], bit_abort_i};
     end
   end
 
@@ -69,18 +76,18 @@ module slog_packer #(
         .First(s == 0)
     ) u_slice (
         .clk_i,
-        .blank_i(blank_q),
+        .blank_i(blank_q2),
         .fresh_i(fresh_q),
         .place_i(place_q[SliceBits*s+:SliceBits]),
         .word_o (word_data_o[SliceBits*s+:SliceBits])
     );
   end
 
-  assign word_valid_o  = valid_q3;
-  assign word_last_o   = last_q3;
-  assign frame_start_o = start_q[2];
-  assign frame_done_o  = done_q[2];
-  assign frame_abort_o = abort_q[2];
+  assign word_valid_o  = valid_q4;
+  assign word_last_o   = last_q4;
+  assign frame_start_o = start_q[3];
+  assign frame_done_o  = done_q[3];
+  assign frame_abort_o = abort_q[3];
 
   `SLOG_ASSERT_INIT(SlogPackerSlices, GroupBits % SliceBits == 0)
   `SLOG_ASSERT(SlogPackerAbortAlone, !(bit_abort_i && bit_valid_i))

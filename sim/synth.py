@@ -44,7 +44,7 @@ BLOCKS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_g
           "slog_operands", "slog_array", "slog_peak")
 KEPT = ("slog_store_slice", "slog_ring_slice", "slog_capture_slice", "slog_csr", "slog_axil", "slog_video_in",
         "slog_walker", "slog_peak_intake", "slog_peak_scan", "slog_line_bank", "slog_taps_window", "slog_taps_slice",
-        "slog_packer_slice")
+        "slog_fir_kernel", "slog_packer_slice")
 """Kept apart like blocks: slices, whose registers are copies of one another on purpose and would be merged; and modules
 of much choice a clock, which are mapped for speed only where nothing beside them is slower."""
 COSTS = {
