@@ -33,8 +33,13 @@ BLUR = 2.0
 """Standard deviation in bins of what a kind's sites count for around them: they lie in few rows."""
 ROOM = 11
 """Cells that a tile holds, of its sixteen look-up tables and flip-flops: what is more than the board's is held free."""
-TURNS = 600
-PUSH, CROWDED, FAR = 1.03, 0.07, 0.3
+LONG = 8
+"""Tiles by which a net longer along an axis pulls as hard again: the longest decide the clock, and a knot in the wires
+comes undone."""
+STARTS = 4
+"""Floorplans of which the best is taken: they differ by a tenth."""
+TURNS = 1200
+PUSH, CROWDED, FAR = 1.015, 0.07, 0.3
 """A kind's charge grows by PUSH each turn, while more than FAR of its cells, or CROWDED of the logic, have no place."""
 MOST_PINS = 300
 """Nets of more pins (clock, reset) say nothing about where a cell belongs."""
@@ -83,8 +88,18 @@ class Wires:
         return cls(np.concatenate([np.asarray(net, np.intp) for net in nets]), np.repeat(np.arange(len(nets)), sizes),
                    np.cumsum([0, *sizes[:-1]]))
 
+    def extents(self, at: Vector) -> Vector:
+        """Length of each net along one axis, from the cells' places there."""
+        pin = at[self.cell]
+        length: Vector = np.maximum.reduceat(pin, self.first) - np.minimum.reduceat(pin, self.first)
+        return length
+
+    def cost(self, at: Plane) -> float:
+        """What the wires' pull makes small."""
+        return float(sum((length + length**2 / (2 * LONG)).sum() for length in map(self.extents, at)))
+
     def pull(self, at: Vector, smooth: float) -> Vector:
-        """Growth of all nets' extents along one axis with each cell's place: the weighted-average model.
+        """Growth of the nets' cost along one axis with each cell's place: of their extents the weighted-average model.
 
         Args:
             at: the cells' places, in tiles.
@@ -98,6 +113,7 @@ class Wires:
             total = np.add.reduceat(weight, self.first)
             mean = np.add.reduceat(weight * x, self.first) / total
             grown += side * weight * (1 + (x - mean[self.net]) / smooth) / total[self.net]
+        grown *= 1 + self.extents(at)[self.net] / LONG
         slope: Vector = np.bincount(self.cell, grown, len(at)).astype(np.float64)
         return slope
 
@@ -139,9 +155,8 @@ def _assigned(x: Vector, y: Vector, sites: Sequence[Site]) -> Indices:
     return chosen
 
 
-def _spread(nets: Sequence[Sequence[int]], cells: int, kinds: Sequence[Charges], seed: int) -> Plane:
-    """Places of all cells, the first `cells` of them on nets: Nesterov's method on wires and charges together."""
-    wires = Wires.of(nets)
+def _spread(wires: Wires, cells: int, kinds: Sequence[Charges], seed: int) -> Plane:
+    """Places of all cells, the first `cells` of them on wires: Nesterov's method on wires and charges together."""
     total = cells + sum(int(np.sum(kind.members >= cells)) for kind in kinds)
     rng = np.random.default_rng(seed)
     size = np.array([[WIDTH], [HEIGHT]], np.float64)
@@ -183,7 +198,7 @@ def _spread(nets: Sequence[Sequence[int]], cells: int, kinds: Sequence[Charges],
     return at
 
 
-def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> dict[str, str]:
+def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> tuple[dict[str, str], float]:
     """Choose sites.
 
     Args:
@@ -191,7 +206,7 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> dict[str
         seed: of the places all begin at.
 
     Returns:
-        Site by cell, for every block RAM and multiplier.
+        Site by cell, for every block RAM and multiplier; the wires' cost with the blocks there.
 
     Raises:
         ValueError: there are more of them than sites.
@@ -205,7 +220,7 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> dict[str
     nets = _nets(list(cells.values()))
     blocks = {kind: members for kind, members in blocks.items() if len(members)}
     if not blocks or not nets:
-        return {}
+        return {}, 0.0
     logic = np.setdiff1d(np.arange(number), np.concatenate(list(blocks.values())))
     free = min(max(WIDTH * HEIGHT * ROOM - len(logic), 0), 2 * len(logic))
     kinds = [Charges(np.concatenate([logic, np.arange(number, number + free)]), np.ones((BINS, BINS)))]
@@ -214,15 +229,27 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> dict[str
         for site in SITES[kind]:
             capacity[site.x * BINS // WIDTH, site.y * BINS // HEIGHT] += 1
         kinds.append(Charges(members, gaussian_filter(capacity, BLUR, mode="nearest")))
-    place = _spread(nets, number, kinds, seed)
-    return {names[member]: SITES[kind][k].bel for kind, members in blocks.items()
-            for member, k in zip(members, _assigned(place[0, members], place[1, members], SITES[kind]), strict=True)}
+    wires = Wires.of(nets)
+    place = _spread(wires, number, kinds, seed)[:, :number]
+    chosen = {}
+    for kind, members in blocks.items():
+        sites = [SITES[kind][k] for k in _assigned(place[0, members], place[1, members], SITES[kind])]
+        place[:, members] = np.array([(site.x, site.y) for site in sites]).T
+        chosen.update({names[member]: site.bel for member, site in zip(members, sites, strict=True)})
+    return chosen, wires.cost(place)
 
 
 def constrain(path: Path) -> None:
     """Give the blocks of the netlist at `path`, as `sim.synth` wrote it, their sites for nextpnr."""
     design = json.loads(path.read_text())
     cells = max((module["cells"] for module in design["modules"].values()), key=len)
-    for name, bel in floorplan(cells).items():
+    best: dict[str, str] = {}
+    least = np.inf
+    for seed in range(STARTS):
+        chosen, cost = floorplan(cells, seed)
+        print(f"  floorplan {seed + 1} of {STARTS}: cost {cost:.0f}", flush=True)
+        if cost < least:
+            best, least = chosen, cost
+    for name, bel in best.items():
         cells[name].setdefault("attributes", {})["BEL"] = bel
     path.write_text(json.dumps(design))

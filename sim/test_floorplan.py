@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.floorplan import SITES, constrain, floorplan
+from sim.floorplan import LONG, SITES, Wires, constrain, floorplan
 
 AT = {site.bel: (site.x, site.y) for sites in SITES.values() for site in sites}
 
@@ -32,7 +32,7 @@ def _clusters(count: int, rams: int, logic: int) -> dict[str, Any]:
 def test_blocks_get_sites_of_their_own_near_their_like() -> None:
     cells = _clusters(4, 12, 300)
     cells["mult"] = {"type": "MULT18X18D", "connections": {"A0": [5], "B0": ["0"]}}
-    sites = floorplan(cells)
+    sites, cost = floorplan(cells)
     rams = {name for name in cells if "ram" in name}
     assert set(sites) == {*rams, "mult"} and len(set(sites.values())) == len(sites)
     assert sites["mult"] in {s.bel for s in SITES["MULT18X18D"]}
@@ -43,7 +43,21 @@ def test_blocks_get_sites_of_their_own_near_their_like() -> None:
 
     own = np.mean([spread([f"{c}.ram{r}" for r in range(12)]) for c in range(4)])
     assert own < 0.6 * spread(sorted(rams))
-    assert floorplan(cells) == sites
+    assert floorplan(cells) == (sites, cost) and cost > 0
+
+
+def test_wires_pull_as_their_cost_grows() -> None:
+    """The cost of two nets by hand; each cell feels how it changes with its place."""
+    at = np.array([[3.0, 40.0, 10.0, 90.0], [0.0, 0.0, 7.0, 7.0]])
+    wires = Wires.of([[0, 1], [0, 2, 3]])
+    lengths = [37.0, 87.0, 0.0, 7.0]
+    assert wires.cost(at) == pytest.approx(sum(n + n**2 / (2 * LONG) for n in lengths))
+    for cell, sign in ((1, 1), (3, 1), (0, -1), (2, 0)):
+        moved = at.copy()
+        moved[0, cell] += 1e-4
+        slope = (wires.cost(moved) - wires.cost(at)) / 1e-4
+        assert wires.pull(at[0], 0.5)[cell] == pytest.approx(slope, abs=1e-3)
+        assert np.sign(slope) == sign
 
 
 def test_more_blocks_than_sites_are_refused() -> None:
