@@ -59,7 +59,7 @@ async def sizes(dut, size: tuple[int, int]) -> None:
     await check_cycles(dut, model(), video(rng, items, settings(*size, sigma), "none"), watch)
     compare(seen, items, sigma)
     assert seen.stalled == 0
-    latency = 27 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
+    latency = 28 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
     rows = [sent[frame * size[1] + p["Radius"]] for frame in range(3)]
     assert [b - a for a, b in zip(rows, seen.first_word, strict=True)] == [latency] * 3
 

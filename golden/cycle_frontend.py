@@ -201,7 +201,7 @@ class VideoInModel:
 
 
 class PackerModel:
-    """Bits into words; the flags four clocks behind the pixel they come with. Between words the data are anything."""
+    """Bits into words; the flags five clocks behind the pixel they come with. Between words the data are anything."""
 
     INPUTS = ("rst_i", "bit_valid_i", "bit_i", "bit_last_i", "bit_start_i", "bit_done_i", "bit_abort_i")
     OUTPUTS = ("word_valid_o", "word_data_o", "word_last_o", "frame_start_o", "frame_done_o", "frame_abort_o")
@@ -213,7 +213,7 @@ class PackerModel:
     def _reset(self) -> None:
         self.bits: list[int | None] = []
         none: Bits = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
-        self.pipe = deque([none] * 4)
+        self.pipe = deque([none] * 5)
 
     def step(self, i: Mapping[str, int | None]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -247,7 +247,7 @@ class FrontendModel:
         self.log = LogModel(max_width, radius)
         self.packer = PackerModel(group_bits)
         self.video_busy: deque[int | None] = deque([0] * 3, 3)
-        self.log_busy: deque[int | None] = deque([0] * 4, 4)
+        self.log_busy: deque[int | None] = deque([0] * 5, 5)
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -256,11 +256,11 @@ class FrontendModel:
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})
-        busy = int(any(self.video_busy) or any([*self.log_busy][:3]))
+        busy = int(any(self.video_busy) or any([*self.log_busy][:4]))
         self.video_busy.append(video["busy_o"])
         self.log_busy.append(bit["busy_o"])
         if i["rst_i"]:
             self.video_busy.extend([0] * 3)
-            self.log_busy.extend([0] * 4)
+            self.log_busy.extend([0] * 5)
         return {"tready_o": video["tready_o"], "busy_o": busy, **word,
                 "accepted_o": video["accepted_o"], "dropped_o": video["dropped_o"]}

@@ -1,7 +1,7 @@
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
-// Latency    : 27 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
-//              first word of the row Radius lines above it: 117 for full, 51 for tiny.
+// Latency    : 28 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
+//              first word of the row Radius lines above it: 118 for full, 52 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
@@ -132,19 +132,18 @@ module slog_frontend #(
   );
 
   // The LoG shows what has left the video in, and the packer still holds what has left the LoG, some clocks later.
-  logic video_busy_q, log_busy_q, log_busy_q2, rest_busy_q, busy_q;
+  logic video_busy_q, rest_busy_q, busy_q;
+  logic [2:0] log_busy_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       video_busy_q <= 1'b0;
-      log_busy_q   <= 1'b0;
-      log_busy_q2  <= 1'b0;
+      log_busy_q   <= '0;
       rest_busy_q  <= 1'b0;
       busy_q       <= 1'b0;
     end else begin
       video_busy_q <= video_busy;
-      log_busy_q   <= log_busy;
-      log_busy_q2  <= log_busy_q;
-      rest_busy_q  <= video_busy_q || log_busy || log_busy_q || log_busy_q2;
+      log_busy_q   <= {log_busy_q[1:0], log_busy};
+      rest_busy_q  <= video_busy_q || log_busy || log_busy_q != '0;
       busy_q       <= video_busy || video_busy_q || rest_busy_q;
     end
   end

@@ -3,8 +3,8 @@
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
 // word_last_o count only with word_valid_o.
 //
-// Stages     : 1 as it comes    2 pixel    3, 4 slog_packer_slice: the word so far
-// Latency    : 4 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 4 clocks behind
+// Stages     : 1 as it comes    2 pixel and its place    3 to 5 slog_packer_slice: the word so far
+// Latency    : 5 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 5 clocks behind
 //              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; the sink takes every word.
 `include "slog_assert.svh"
@@ -27,34 +27,42 @@ module slog_packer #(
     output logic                 frame_abort_o
 );
   localparam int unsigned SliceBits = (GroupBits < 16) ? GroupBits : 16;
+  localparam int unsigned Slices = GroupBits / SliceBits;
+  localparam int unsigned PlaceW = $clog2(GroupBits);
 
-  logic                 valid_q, dark_q, last_q;
-  logic                 blank_q2;                // the pixel is 0 or missing
-  logic [GroupBits-1:0] place_q;                 // one-hot: where the pixel goes; not used for a word's first
-  logic                 fresh_q;                 // the pixel is a word's first
-  logic                 anew_q;                  // the next one is, whatever came
-  logic                 valid_q2, valid_q3, valid_q4, last_q2, last_q3, last_q4;
-  logic [3:0]           start_q, done_q, abort_q;
-  logic                 full;
+  logic              valid_q, dark_q;
+  // The pixel, and its place in the word; if there is none, the next one's.
+  logic              valid_q2;
+  logic              blank_q2;        // it is 0 or missing
+  logic [PlaceW-1:0] place_q;
+  logic              fresh_q, end_q;  // the word's first, last place
+  logic [Slices-1:0] begin_q;         // [s]: the first place of slice s
+  logic              anew_q;          // the next pixel is a word's first, whatever came
+  logic [4:0]        last_q;
+  logic [4:2]        full_q;          // [k]: after k + 1 stages, a word is complete
+  logic [4:0]        start_q, done_q, abort_q;
+  logic              full, restart;
 
-  assign full = last_q2 || (place_q[GroupBits-1] && !fresh_q);
+  assign full    = valid_q2 && (last_q[1] || end_q);
+  assign restart = anew_q || full;
 
   always_ff @(posedge clk_i) begin
     dark_q   <= !bit_i;
     blank_q2 <= !valid_q || dark_q;
-    last_q   <= bit_last_i;
-    last_q2  <= last_q;
-    last_q3  <= last_q2;
-    last_q4  <= last_q3;
-    fresh_q  <= anew_q || (valid_q2 ? full : fresh_q);
-    if (fresh_q) place_q <= GroupBits'(2);
-    else if (valid_q2) place_q <= place_q << 1;
+    last_q   <= {last_q[3:0], bit_last_i};
+    if (restart) place_q <= '0;
+    else if (valid_q2) place_q <= place_q + 1'b1;
+    fresh_q <= restart || (!valid_q2 && fresh_q);
+    end_q   <= !restart && (valid_q2 ? place_q == PlaceW'(GroupBits - 2) : end_q);
+    for (int unsigned s = 0; s < Slices; s++) begin
+      if (s == 0) begin_q[s] <= restart || (!valid_q2 && begin_q[s]);
+      else begin_q[s] <= !restart && (valid_q2 ? place_q == PlaceW'(SliceBits * s - 1) : begin_q[s]);
+    end
     if (rst_i) begin
       anew_q   <= 1'b1;
       valid_q  <= 1'b0;
       valid_q2 <= 1'b0;
-      valid_q3 <= 1'b0;
-      valid_q4 <= 1'b0;
+      full_q   <= '0;
       start_q  <= '0;
       done_q   <= '0;
       abort_q  <= '0;
@@ -62,33 +70,32 @@ module slog_packer #(
       anew_q   <= abort_q[0];
       valid_q  <= bit_valid_i;
       valid_q2 <= valid_q;
-      valid_q3 <= valid_q2 && full;
-      valid_q4 <= valid_q3;
-      start_q  <= {start_q[2:0], bit_start_i};
-      done_q   <= {done_q[2:0], bit_done_i};
-      abort_q  <= {abort_q[2:0], bit_abort_i};
+      full_q   <= {full_q[3:2], full};
+      start_q  <= {start_q[3:0], bit_start_i};
+      done_q   <= {done_q[3:0], bit_done_i};
+      abort_q  <= {abort_q[3:0], bit_abort_i};
     end
   end
 
-  for (genvar s = 0; s < GroupBits / SliceBits; s++) begin : g_slice
+  for (genvar s = 0; s < Slices; s++) begin : g_slice
     slog_packer_slice #(
-        .Bits (SliceBits),
-        .First(s == 0)
+        .Bits(SliceBits)
     ) u_slice (
         .clk_i,
+        .valid_i(valid_q2),
         .blank_i(blank_q2),
         .fresh_i(fresh_q),
-        .place_i(place_q[SliceBits*s+:SliceBits]),
+        .begin_i(begin_q[s]),
         .word_o (word_data_o[SliceBits*s+:SliceBits])
     );
   end
 
-  assign word_valid_o  = valid_q4;
-  assign word_last_o   = last_q4;
-  assign frame_start_o = start_q[3];
-  assign frame_done_o  = done_q[3];
-  assign frame_abort_o = abort_q[3];
+  assign word_valid_o  = full_q[4];
+  assign word_last_o   = last_q[4];
+  assign frame_start_o = start_q[4];
+  assign frame_done_o  = done_q[4];
+  assign frame_abort_o = abort_q[4];
 
-  `SLOG_ASSERT_INIT(SlogPackerSlices, GroupBits % SliceBits == 0)
+  `SLOG_ASSERT_INIT(SlogPackerSlices, GroupBits % SliceBits == 0 && SliceBits > 1)
   `SLOG_ASSERT(SlogPackerAbortAlone, !(bit_abort_i && bit_valid_i))
 endmodule : slog_packer

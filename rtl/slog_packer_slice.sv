@@ -1,26 +1,34 @@
-// A few bits of slog_packer's word, with registers of their own for the pixel and what clears them.
+// A few bits of slog_packer's word, with registers of their own for the pixel and its place: the slices lie far apart.
 //
 //   stage  registers
-//   1      where the pixel sets a bit
-//   2      word_o
+//   1      pixel
+//   2      pixel, its place
+//   3      word_o
 // Throughput : one pixel per clock.
 module slog_packer_slice #(
-    parameter int unsigned Bits  = 16,
-    parameter bit          First = 1'b0  // bit 0 is the word's
+    parameter int unsigned Bits = 16
 ) (
     input  logic            clk_i,
-    input  logic            blank_i,  // the pixel sets no bit
-    input  logic            fresh_i,  // the pixel is a word's first
-    input  logic [Bits-1:0] place_i,  // one-hot or 0: where it goes, if it is not
+    input  logic            valid_i,
+    input  logic            blank_i,  // the pixel sets no bit, or there is none
+    input  logic            fresh_i,  // it is a word's first
+    input  logic            begin_i,  // it goes to bit 0
     output logic [Bits-1:0] word_o
 );
-  logic fresh_q;
-  logic [Bits-1:0] set_q, word_q2;
+  logic valid_q, blank_q, blank_q2, fresh_q, fresh_q2, begin_q;
+  logic [Bits-1:0] place_q, word_q3;  // place_q: one-hot; 0 if the pixel goes to another slice
 
   always_ff @(posedge clk_i) begin
-    fresh_q <= fresh_i;
-    set_q   <= blank_i ? '0 : fresh_i ? Bits'(First) : place_i;
-    word_q2 <= fresh_q ? set_q : word_q2 | set_q;
+    valid_q  <= valid_i;
+    blank_q  <= blank_i;
+    fresh_q  <= fresh_i;
+    begin_q  <= begin_i;
+    blank_q2 <= blank_q;
+    fresh_q2 <= fresh_q;
+    if (begin_q) place_q <= Bits'(1);
+    else if (fresh_q) place_q <= '0;
+    else if (valid_q) place_q <= place_q << 1;
+    word_q3 <= (fresh_q2 ? '0 : word_q3) | (blank_q2 ? '0 : place_q);
   end
-  assign word_o = word_q2;
+  assign word_o = word_q3;
 endmodule : slog_packer_slice
