@@ -65,10 +65,11 @@ class CsrModel:
         self.begun: Request | None = None  # the access that begins in this clock
         self.asked: Request | None = None  # that of the clock before, on its way
         self.request: Request | None = None
-        self.found: Request | None = None  # the request of the clock before, its strobe on its way
-        self.decoded: Request | None = None  # that of two clocks before, at its register
-        self.read: tuple[int | None] | None = None  # what the one of three clocks before reads
-        self.read2: tuple[int | None] | None = None  # ... and of four
+        self.parted: Request | None = None  # the request of the clock before, its address in two halves
+        self.found: Request | None = None  # that of two clocks before, its strobe on its way
+        self.decoded: Request | None = None  # that of three clocks before, at its register
+        self.read: tuple[int | None] | None = None  # what the one of four clocks before reads
+        self.read2: tuple[int | None] | None = None  # ... and of five
         self.answer: tuple[int | None] | None = None  # what the read path answers in this clock
         self.bvalid, self.rvalid = False, False
 
@@ -120,8 +121,8 @@ class CsrModel:
         self.read = None if request is None or wrote else (self._read(request.address, status),)
         self._store(request if wrote else None, events)
         begun = self.begun
-        self.decoded, self.found, self.request, self.asked = self.found, self.request, self.asked, begun
-        self.begun = chosen
+        self.decoded, self.found, self.parted = self.found, self.parted, self.request
+        self.request, self.asked, self.begun = self.asked, begun, chosen
         if begun is not None:
             self.read_last = not begun.is_write
         if chosen is not None:

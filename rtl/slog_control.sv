@@ -355,6 +355,6 @@ module slog_control
 
   // One access at a time: none is ever stalled, and PeekData is where the map has it.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 2) && !$past(rst_i)
+  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 3) && !$past(rst_i) && !$past(rst_i, 2)
                                        |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control

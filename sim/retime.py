@@ -1,23 +1,35 @@
 """Registers within the generated register block, for its clock rate: in the address decoder, and in the read path.
 
-A request's strobe is decoded in one clock and on its way to its register in the next; with it goes what is written.
+A request's strobe is decoded in two clocks and on its way to its register in the next; with it goes what is written.
 Reads are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
-(address, direction, data, enables) must stay for two clocks after it, as `slog_axil` keeps it; a write is acknowledged
-two clocks after its request, a read five, with what the registers held two clocks after it.
+(address, direction, data, enables) must stay for three clocks after it, as `slog_axil` keeps it; a write is
+acknowledged three clocks after its request, a read six, with what the registers held three clocks after it.
 """
 
 from __future__ import annotations
 
 import re
 
+DECODED = """
+    decoded_reg_strb_t decoded_reg_strb, found_reg_strb, asked_reg_strb;
+    // An address in two halves, the lower one apart for writes and reads.
+    logic [15:0] asked_high;
+    logic [3:0] asked_to_write, asked_to_read;
+    function automatic logic asked(logic [3:0] low, logic [7:0] address);
+        return asked_high[address[7:4]] & low[address[3:2]];
+    endfunction
+"""
 DECODER = """
     // The words that are read, by address; the strobes are those of writes where there is something to write.
-    logic [63:0] asked_read, found_read, decoded_read;
-    logic found_req;
-    assign asked_read = (cpuif_req_masked & ~cpuif_req_is_wr) ? 64'd1 << cpuif_addr[7:2] : '0;
+    logic [63:0] found_read, decoded_read;
+    logic asked_req, found_req;
     always_ff @(posedge clk) begin
-        found_req <= rst ? '0 : cpuif_req_masked;
-        found_read <= rst ? '0 : asked_read;
+        asked_high <= 16'd1 << cpuif_addr[7:4];
+        asked_to_write <= (!rst & cpuif_req_masked & cpuif_req_is_wr) ? 4'd1 << cpuif_addr[3:2] : '0;
+        asked_to_read <= (!rst & cpuif_req_masked & !cpuif_req_is_wr) ? 4'd1 << cpuif_addr[3:2] : '0;
+        asked_req <= rst ? '0 : cpuif_req_masked;
+        found_req <= rst ? '0 : asked_req;
+        for(int i=0; i<64; i++) found_read[i] <= rst ? '0 : asked(asked_to_read, 8'(4*i));
         found_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
         decoded_req <= rst ? '0 : found_req;
         decoded_read <= rst ? '0 : found_read;
@@ -59,7 +71,7 @@ CHOICES = """
 """
 EDITS = (
     (r"^ +decoded_reg_strb_t decoded_reg_strb;\n",
-     "    decoded_reg_strb_t decoded_reg_strb, found_reg_strb, asked_reg_strb;\n"),
+     DECODED[1:]),
     (r"^ +assign decoded_req = cpuif_req_masked;\n", DECODER[1:]),
     (r"^ +assign decoded_wr_data = cpuif_wr_data;\n", ""),
     (r"^ +assign decoded_wr_biten = cpuif_wr_biten;\n", ""),
@@ -82,5 +94,8 @@ def retimed(block: str) -> str:
             raise ValueError(f"the generated register block has {times} places like {pattern}, not one: go back to the "
                              "locked version of peakrdl-regblock, or let sim/retime.py follow its new form")
     block = re.sub(r"^( +)decoded_reg_strb\.(\S+ = )", r"\1asked_reg_strb.\2", block, flags=re.MULTILINE)
-    block = re.sub(r"^( +asked_reg_strb\..*\));$", r"\1 & cpuif_req_is_wr;", block, flags=re.MULTILINE)
+    block = re.sub(r"^( +asked_reg_strb\.\S+ = )cpuif_req_masked & \(cpuif_addr == (.*)\) & !cpuif_req_is_wr;$",
+                   r"\1asked(asked_to_read, \2);", block, flags=re.MULTILINE)
+    block = re.sub(r"^( +asked_reg_strb\.\S+ = )cpuif_req_masked & \(cpuif_addr == (.*)\)( & cpuif_req_is_wr)?;$",
+                   r"\1asked(asked_to_write, \2);", block, flags=re.MULTILINE)
     return re.sub(r"(decoded_reg_strb\.\S+) && decoded_req_is_wr", r"\1", block)

@@ -112,6 +112,12 @@ module slog_csr (
         } counter;
     } decoded_reg_strb_t;
     decoded_reg_strb_t decoded_reg_strb, found_reg_strb, asked_reg_strb;
+    // An address in two halves, the lower one apart for writes and reads.
+    logic [15:0] asked_high;
+    logic [3:0] asked_to_write, asked_to_read;
+    function automatic logic asked(logic [3:0] low, logic [7:0] address);
+        return asked_high[address[7:4]] & low[address[3:2]];
+    endfunction
     logic decoded_err;
     logic [7:0] decoded_addr;
     logic decoded_req;
@@ -124,49 +130,49 @@ module slog_csr (
         automatic logic is_valid_rw;
         is_valid_addr = '1; // No valid address check
         is_valid_rw = '1; // No valid RW check
-        asked_reg_strb.id = cpuif_req_masked & (cpuif_addr == 8'h0) & !cpuif_req_is_wr;
-        asked_reg_strb.version = cpuif_req_masked & (cpuif_addr == 8'h4) & !cpuif_req_is_wr;
-        asked_reg_strb.build_image = cpuif_req_masked & (cpuif_addr == 8'h8) & !cpuif_req_is_wr;
-        asked_reg_strb.build_filter = cpuif_req_masked & (cpuif_addr == 8'hc) & !cpuif_req_is_wr;
-        asked_reg_strb.build_window = cpuif_req_masked & (cpuif_addr == 8'h10) & !cpuif_req_is_wr;
-        asked_reg_strb.build_board = cpuif_req_masked & (cpuif_addr == 8'h14) & !cpuif_req_is_wr;
-        asked_reg_strb.build_queue = cpuif_req_masked & (cpuif_addr == 8'h18) & !cpuif_req_is_wr;
-        asked_reg_strb.image_size = cpuif_req_masked & (cpuif_addr == 8'h20) & cpuif_req_is_wr;
-        asked_reg_strb.image_active = cpuif_req_masked & (cpuif_addr == 8'h24) & !cpuif_req_is_wr;
-        asked_reg_strb.coef = cpuif_req_masked & (cpuif_addr == 8'h28) & cpuif_req_is_wr;
-        asked_reg_strb.filter = cpuif_req_masked & (cpuif_addr == 8'h2c) & cpuif_req_is_wr;
-        asked_reg_strb.capture = cpuif_req_masked & (cpuif_addr == 8'h30) & cpuif_req_is_wr;
-        asked_reg_strb.slot_status = cpuif_req_masked & (cpuif_addr == 8'h34) & !cpuif_req_is_wr;
-        asked_reg_strb.job.tpl = cpuif_req_masked & (cpuif_addr == 8'h40) & cpuif_req_is_wr;
-        asked_reg_strb.job.window = cpuif_req_masked & (cpuif_addr == 8'h44) & cpuif_req_is_wr;
-        asked_reg_strb.job.search = cpuif_req_masked & (cpuif_addr == 8'h48) & cpuif_req_is_wr;
-        asked_reg_strb.job.offsets = cpuif_req_masked & (cpuif_addr == 8'h4c) & cpuif_req_is_wr;
-        asked_reg_strb.job.grid = cpuif_req_masked & (cpuif_addr == 8'h50) & cpuif_req_is_wr;
-        asked_reg_strb.job.step = cpuif_req_masked & (cpuif_addr == 8'h54) & cpuif_req_is_wr;
-        asked_reg_strb.job.submit = cpuif_req_masked & (cpuif_addr == 8'h58) & cpuif_req_is_wr;
-        asked_reg_strb.job.status = cpuif_req_masked & (cpuif_addr == 8'h5c) & !cpuif_req_is_wr;
-        asked_reg_strb.result.pop = cpuif_req_masked & (cpuif_addr == 8'h60) & cpuif_req_is_wr;
-        asked_reg_strb.result.head = cpuif_req_masked & (cpuif_addr == 8'h64) & !cpuif_req_is_wr;
-        asked_reg_strb.result.best = cpuif_req_masked & (cpuif_addr == 8'h68) & !cpuif_req_is_wr;
-        asked_reg_strb.result.scores = cpuif_req_masked & (cpuif_addr == 8'h6c) & !cpuif_req_is_wr;
+        asked_reg_strb.id = asked(asked_to_read, 8'h0);
+        asked_reg_strb.version = asked(asked_to_read, 8'h4);
+        asked_reg_strb.build_image = asked(asked_to_read, 8'h8);
+        asked_reg_strb.build_filter = asked(asked_to_read, 8'hc);
+        asked_reg_strb.build_window = asked(asked_to_read, 8'h10);
+        asked_reg_strb.build_board = asked(asked_to_read, 8'h14);
+        asked_reg_strb.build_queue = asked(asked_to_read, 8'h18);
+        asked_reg_strb.image_size = asked(asked_to_write, 8'h20);
+        asked_reg_strb.image_active = asked(asked_to_read, 8'h24);
+        asked_reg_strb.coef = asked(asked_to_write, 8'h28);
+        asked_reg_strb.filter = asked(asked_to_write, 8'h2c);
+        asked_reg_strb.capture = asked(asked_to_write, 8'h30);
+        asked_reg_strb.slot_status = asked(asked_to_read, 8'h34);
+        asked_reg_strb.job.tpl = asked(asked_to_write, 8'h40);
+        asked_reg_strb.job.window = asked(asked_to_write, 8'h44);
+        asked_reg_strb.job.search = asked(asked_to_write, 8'h48);
+        asked_reg_strb.job.offsets = asked(asked_to_write, 8'h4c);
+        asked_reg_strb.job.grid = asked(asked_to_write, 8'h50);
+        asked_reg_strb.job.step = asked(asked_to_write, 8'h54);
+        asked_reg_strb.job.submit = asked(asked_to_write, 8'h58);
+        asked_reg_strb.job.status = asked(asked_to_read, 8'h5c);
+        asked_reg_strb.result.pop = asked(asked_to_write, 8'h60);
+        asked_reg_strb.result.head = asked(asked_to_read, 8'h64);
+        asked_reg_strb.result.best = asked(asked_to_read, 8'h68);
+        asked_reg_strb.result.scores = asked(asked_to_read, 8'h6c);
         for(int i0=0; i0<4; i0++) begin
-            asked_reg_strb.result.neighbour[i0] = cpuif_req_masked & (cpuif_addr == 8'h70 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
+            asked_reg_strb.result.neighbour[i0] = asked(asked_to_read, 8'h70 + (8)'(i0) * 8'h4);
         end
-        asked_reg_strb.peek_address = cpuif_req_masked & (cpuif_addr == 8'h80) & cpuif_req_is_wr;
-        asked_reg_strb.peek_data = cpuif_req_masked & (cpuif_addr == 8'h84) & !cpuif_req_is_wr;
-        asked_reg_strb.irq_status = cpuif_req_masked & (cpuif_addr == 8'h90) & cpuif_req_is_wr;
-        asked_reg_strb.irq_enable = cpuif_req_masked & (cpuif_addr == 8'h94) & cpuif_req_is_wr;
-        asked_reg_strb.counter.clocks = cpuif_req_masked & (cpuif_addr == 8'ha0) & !cpuif_req_is_wr;
-        asked_reg_strb.counter.busy = cpuif_req_masked & (cpuif_addr == 8'ha4) & !cpuif_req_is_wr;
-        asked_reg_strb.counter.scores = cpuif_req_masked & (cpuif_addr == 8'ha8) & !cpuif_req_is_wr;
-        asked_reg_strb.counter.jobs = cpuif_req_masked & (cpuif_addr == 8'hac) & !cpuif_req_is_wr;
-        asked_reg_strb.counter.refused = cpuif_req_masked & (cpuif_addr == 8'hb0) & !cpuif_req_is_wr;
-        asked_reg_strb.counter.overflows = cpuif_req_masked & (cpuif_addr == 8'hb4) & !cpuif_req_is_wr;
+        asked_reg_strb.peek_address = asked(asked_to_write, 8'h80);
+        asked_reg_strb.peek_data = asked(asked_to_read, 8'h84);
+        asked_reg_strb.irq_status = asked(asked_to_write, 8'h90);
+        asked_reg_strb.irq_enable = asked(asked_to_write, 8'h94);
+        asked_reg_strb.counter.clocks = asked(asked_to_read, 8'ha0);
+        asked_reg_strb.counter.busy = asked(asked_to_read, 8'ha4);
+        asked_reg_strb.counter.scores = asked(asked_to_read, 8'ha8);
+        asked_reg_strb.counter.jobs = asked(asked_to_read, 8'hac);
+        asked_reg_strb.counter.refused = asked(asked_to_read, 8'hb0);
+        asked_reg_strb.counter.overflows = asked(asked_to_read, 8'hb4);
         for(int i0=0; i0<2; i0++) begin
-            asked_reg_strb.counter.frames[i0] = cpuif_req_masked & (cpuif_addr == 8'hb8 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
+            asked_reg_strb.counter.frames[i0] = asked(asked_to_read, 8'hb8 + (8)'(i0) * 8'h4);
         end
         for(int i0=0; i0<2; i0++) begin
-            asked_reg_strb.counter.drops[i0] = cpuif_req_masked & (cpuif_addr == 8'hc0 + (8)'(i0) * 8'h4) & !cpuif_req_is_wr;
+            asked_reg_strb.counter.drops[i0] = asked(asked_to_read, 8'hc0 + (8)'(i0) * 8'h4);
         end
         decoded_err = '0;
     end
@@ -174,12 +180,15 @@ module slog_csr (
     // Pass down signals to next stage
     assign decoded_addr = cpuif_addr;
     // The words that are read, by address; the strobes are those of writes where there is something to write.
-    logic [63:0] asked_read, found_read, decoded_read;
-    logic found_req;
-    assign asked_read = (cpuif_req_masked & ~cpuif_req_is_wr) ? 64'd1 << cpuif_addr[7:2] : '0;
+    logic [63:0] found_read, decoded_read;
+    logic asked_req, found_req;
     always_ff @(posedge clk) begin
-        found_req <= rst ? '0 : cpuif_req_masked;
-        found_read <= rst ? '0 : asked_read;
+        asked_high <= 16'd1 << cpuif_addr[7:4];
+        asked_to_write <= (!rst & cpuif_req_masked & cpuif_req_is_wr) ? 4'd1 << cpuif_addr[3:2] : '0;
+        asked_to_read <= (!rst & cpuif_req_masked & !cpuif_req_is_wr) ? 4'd1 << cpuif_addr[3:2] : '0;
+        asked_req <= rst ? '0 : cpuif_req_masked;
+        found_req <= rst ? '0 : asked_req;
+        for(int i=0; i<64; i++) found_read[i] <= rst ? '0 : asked(asked_to_read, 8'(4*i));
         found_reg_strb <= rst ? '{default: '0} : asked_reg_strb;
         decoded_req <= rst ? '0 : found_req;
         decoded_read <= rst ? '0 : found_read;
