@@ -183,6 +183,7 @@ class LogModel:
         self.rows.appendleft(self._take(i))
         at = self.rows.pop()
         self.last.appendleft(i["px_last_i"])
+        self.bit = None
         if self.pipe[-1].get("live"):
             assert at is not None
             self.bit = self._bit(*at)

@@ -164,9 +164,7 @@ module slog_log #(
   logic            dark_q;  // not > 0
   logic [SumH-1:0] response_less_1;
   assign response_less_1 = term_a + term_b;
-  always_ff @(posedge clk_i) begin
-    if (live_q[Latency-2]) dark_q <= response_less_1[SumH-1];
-  end
+  always_ff @(posedge clk_i) dark_q <= response_less_1[SumH-1];
 
   assign bit_o       = !dark_q;
   assign bit_valid_o = live_q[Latency-1];

@@ -9,6 +9,7 @@
 // Latency    : enter_i to the loaded places 3 clocks.
 // Throughput : one value per clock.
 // Formats    : opaque values of DataW bits, in fields of 32 bits: machine words, which simulate fast.
+`include "slog_assert.svh"
 module slog_taps_slice #(
     parameter int unsigned Places = 4,
     parameter int unsigned DataW  = 18
@@ -24,6 +25,7 @@ module slog_taps_slice #(
     output logic [Places-1:0][31:0] older_o
 );
   logic enter_q, enter_q2;
+  logic [1:0] caught_q;  // [k]: next_q[Places-2-k] is a line's first value
   logic [Places-1:0][31:0] next_q, newer_q, older_q;
   logic [31:0] first_q;
 
@@ -31,7 +33,8 @@ module slog_taps_slice #(
     enter_q  <= enter_i;
     enter_q2 <= enter_q;
     next_q   <= {32'(next_i), next_q[Places-1:1]};
-    if (first_i) first_q <= next_q[Places-1];
+    caught_q <= {caught_q[0], first_i};
+    if (caught_q[1]) first_q <= next_q[Places-3];
     if (enter_q2) begin
       newer_q <= next_q;
       older_q <= {Places{first_q}};
@@ -44,4 +47,6 @@ module slog_taps_slice #(
   assign next_o  = next_q[0][DataW-1:0];
   assign newer_o = newer_q;
   assign older_o = older_q;
+
+  `SLOG_ASSERT_INIT(SlogTapsSlicePlaces, Places > 2)
 endmodule : slog_taps_slice
