@@ -61,6 +61,7 @@ class CsrModel:
         self.ar: int | None = None
         self.aw: int | None = None
         self.w: tuple[int, int] | None = None
+        self.w_settled = False  # ... since the clock before
         self.under_way, self.read_last = False, False
         self.begun: Request | None = None  # the access that begins in this clock
         self.asked: Request | None = None  # that of the clock before, on its way
@@ -78,7 +79,7 @@ class CsrModel:
         if self.under_way:
             return None
         read = None if self.ar is None or (wait and self.ar & ~3 == self.waits) else Request(self.ar & ~3, False)
-        write = None if self.aw is None or self.w is None else Request(self.aw & ~3, True, *self.w)
+        write = None if self.aw is None or self.w is None or not self.w_settled else Request(self.aw & ~3, True, *self.w)
         if read and write:
             return write if self.read_last else read
         return read or write
@@ -132,6 +133,7 @@ class CsrModel:
 
         # What waits, and what comes in where nothing did
         ar, aw, w = self.ar, self.aw, self.w
+        self.w_settled = w is not None and not (begun is not None and begun.is_write)
         if begun is not None and begun.is_write:
             self.aw = self.w = None
         elif begun is not None:

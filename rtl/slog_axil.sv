@@ -2,8 +2,9 @@
 //
 // A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
 //
-// Latency    : a request leaves 4 clocks after the last channel of its access was accepted; bvalid and rvalid follow the
-//              register block's answer by 1 clock. What req_o asks for stays until then. Nothing is accepted in reset.
+// Latency    : a request leaves 4 clocks after its address was accepted, a write also 5 after its data; bvalid and rvalid
+//              follow the register block's answer by 1 clock. What req_o asks for stays until then. Nothing is accepted
+//              in reset.
 // Throughput : an access every 5 clocks and the register block's latency, if its response is taken at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
@@ -45,17 +46,18 @@ module slog_axil #(
   logic aw_free_q, w_free_q, ar_free_q;  // none does, and none did in reset
   logic aw, w, ar;
   logic ar_waits_q;            // ... of WaitAddr
-  logic w_new_q;               // data may have come in the clock before
+  logic w_q2;                  // data wait, in wdata_q3 from the next clock on
+  logic w_new_q, w_new_q2;     // data may have come one, two clocks before
   logic [AddrW-1:0] awaddr_q, araddr_q, addr_q, addr_q2;
-  logic [31:0] wdata_q, wdata_q2, data_q, rdata_q;
-  logic [3:0] wstrb_q, wstrb_q2, strb_q;
+  logic [31:0] wdata_q, wdata_q2, wdata_q3, data_q, rdata_q;
+  logic [3:0] wstrb_q, wstrb_q2, wstrb_q3, strb_q;
   logic under_way_q, read_last_q, req_q, req_q2, is_wr_q, is_wr_q2, bvalid_q, rvalid_q;
   logic read_q, write_q;       // the access begins
   logic begin_q;               // either: apart from them, because it enables all of what is asked for
   logic can_read, can_write;
 
   assign can_read  = ar_q && !(ar_waits_q && wait_i) && !under_way_q;
-  assign can_write = aw_q && w_q && !under_way_q;
+  assign can_write = aw_q && w_q2 && !under_way_q;
   assign aw        = (aw_q || (awvalid_i && aw_free_q)) && !write_q;
   assign w         = (w_q || (wvalid_i && w_free_q)) && !write_q;
   assign ar        = (ar_q || (arvalid_i && ar_free_q)) && !read_q;
@@ -73,7 +75,9 @@ module slog_axil #(
       read_q      <= 1'b0;
       write_q     <= 1'b0;
       read_last_q <= 1'b0;
+      w_q2        <= 1'b0;
       w_new_q     <= 1'b0;
+      w_new_q2    <= 1'b0;
       req_q       <= 1'b0;
       req_q2      <= 1'b0;
       bvalid_q    <= 1'b0;
@@ -88,7 +92,9 @@ module slog_axil #(
       w_free_q  <= !w;
       ar_free_q <= !ar;
       begin_q   <= can_read || can_write;
+      w_q2      <= w_q && !write_q;
       w_new_q   <= w_free_q;
+      w_new_q2  <= w_new_q;
       req_q     <= begin_q;
       req_q2    <= req_q;
       bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
@@ -105,9 +111,11 @@ module slog_axil #(
     // The pins lie far apart: enabled is what comes after them.
     wdata_q <= wdata_i;
     wstrb_q <= wstrb_i;
-    if (w_new_q) begin
-      wdata_q2 <= wdata_q;
-      wstrb_q2 <= wstrb_q;
+    wdata_q2 <= wdata_q;
+    wstrb_q2 <= wstrb_q;
+    if (w_new_q2) begin
+      wdata_q3 <= wdata_q2;
+      wstrb_q3 <= wstrb_q2;
     end
     if (ar_free_q) begin
       araddr_q   <= araddr_i;
@@ -116,8 +124,8 @@ module slog_axil #(
     if (begin_q) begin
       addr_q  <= write_q ? awaddr_q : araddr_q;
       is_wr_q <= write_q;
-      data_q  <= wdata_q2;
-      strb_q  <= wstrb_q2;
+      data_q  <= wdata_q3;
+      strb_q  <= wstrb_q3;
     end
     addr_q2  <= addr_q;
     is_wr_q2 <= is_wr_q;

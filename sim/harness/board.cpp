@@ -140,7 +140,7 @@ void tick(Board& b) {
   ++b.clocks;
 }
 
-// One register access at a time, as the board takes them: 9 clocks a write, 12 a read when the register answers at once.
+// One register access at a time, as the board takes them: 10 clocks a write, 12 a read when the register answers at once.
 void write(Board& b, uint32_t address, uint32_t data) {
   Vslog_board& t = *b.top;
   t.s_axil_awaddr = address;
