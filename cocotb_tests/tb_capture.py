@@ -9,7 +9,7 @@ import cocotb
 
 from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus, check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle_capture import CaptureModel
+from golden.cycle_capture import HOPS, CaptureModel
 
 CLOCKS = 3000
 
@@ -148,13 +148,13 @@ def burst(p: dict[str, int]) -> Stimulus:
         for _ in range(11):
             yield {}
     yield {"frame_done_i": 1}
-    for _ in range(5):
+    for _ in range(5 + HOPS):
         yield {}
 
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """Word to store write takes five clocks; the slot is valid five clocks after frame_done_i."""
+    """Word to store write takes seven clocks; the slot is valid seven clocks after frame_done_i."""
     p = params()
     model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
     words, writes, marks = [], [], {}
@@ -172,6 +172,6 @@ async def latency(dut) -> None:
             marks.setdefault("valid", t)
 
     await check_cycles(dut, model, burst(p), watch)
-    assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [5] * p["SlotWords"]
+    assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [5 + HOPS] * p["SlotWords"]
     assert [(a, d) for _, a, d in writes] == [(p["SlotWords"] + k, k) for k in range(p["SlotWords"])]
-    assert marks["valid"] - marks["done"] == 5
+    assert marks["valid"] - marks["done"] == 5 + HOPS

@@ -6,6 +6,8 @@ from collections import deque
 
 FIFO_DEPTH = 4
 CHECK_CLOCKS = 5
+HOPS = 2
+"""Clocks that the queues' words are behind their levels."""
 IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
 
 
@@ -18,7 +20,7 @@ class ChannelModel:
         self.busy: deque[int] = deque([0] * 3)  # of the three clocks before
         self.came: tuple[int | None, int, int, int, int] = (None, 0, 0, 0, 0)  # what came in the clock before
         self.push: tuple[int, int] | None = None  # goes into the queue
-        self.left = False  # finishing, and the last word is on its way to the store
+        self.left = [False] * (HOPS + 1)  # finishing, and by clocks ago: the last word had left the queue
         self.clears = self.restores = self.finishes = False  # what the slot's valid bit hears in this clock
         self.fifo: deque[tuple[int, int]] = deque()
 
@@ -45,8 +47,9 @@ class ChannelModel:
         if self.clears:
             self.was_valid = valid
         finished = self.finishes
-        finishes = self.state == FINISH and self.left and not finished and not cancel and not rst
-        self.left = self.state == FINISH and self.push is None and not self.fifo and not rst
+        finishes = self.state == FINISH and self.left[-1] and not finished and not cancel and not rst
+        left = [self.push is None and not self.fifo, *self.left[:-1]]
+        self.left = [self.state == FINISH and was and not rst for was in left]
         self.clears, self.restores, self.finishes = starts, restores, finishes
         arrived = self.push
         self.push = (self.addr, word) if word is not None and self.state == WRITE and not rst else None
@@ -100,7 +103,7 @@ class CaptureModel:
         self.channels = [ChannelModel(slot_words, words_per_row) for _ in range(cameras)]
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
-        self.chosen: tuple[int, int] | None = None  # the store's next
+        self.chosen: list[tuple[int, int] | None] = [None] * (HOPS + 1)  # the store's next, the latest first
         self.command: tuple[bool, int, int] | None = None  # of the clock before: cancel, camera, slot
 
     def outputs(self) -> dict[str, int | None]:
@@ -155,10 +158,11 @@ class CaptureModel:
         if i["cmd_valid_i"] and not i["rst_i"]:
             self.command = bool(i["cmd_cancel_i"]), i["cmd_camera_i"], i["cmd_slot_i"]
         if i["rst_i"]:
-            self.slot_valid, self.refused, self.done, self.write, self.chosen = 0, 0, 0, None, None
+            self.slot_valid, self.refused, self.done, self.write = 0, 0, 0, None
+            self.chosen = [None] * (HOPS + 1)
         else:
             self.slot_valid = 0 if i["clear_i"] else valid
             self.refused = refused
             self.done = int(any_done)
-            self.write, self.chosen = self.chosen, write
+            *self.chosen, self.write = write, *self.chosen
         return out

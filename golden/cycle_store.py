@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-STORE_LATENCY = 8
+STORE_LATENCY = 9
 """Clocks from a read to its data (rtl/slog_store_pkg.sv)."""
 
 
 class StoreModel:
-    """A read sees every write of earlier clocks. Words never written, and data before the first read, are undefined."""
+    """A read sees every write of two clocks before and earlier; its word may not be written in the clock before. Words
+    never written, and data before the first read, are undefined."""
 
     INPUTS = ("rst_i", "wr_valid_i", "wr_addr_i", "wr_data_i", "rd_valid_i", "rd_addr_i", "peek_valid_i", "peek_addr_i")
     OUTPUTS = ("rd_data_o", "peek_ready_o", "peek_done_o", "peek_data_o")
@@ -15,6 +16,7 @@ class StoreModel:
     def __init__(self, words: int) -> None:
         self.memory: list[int | None] = [None] * words
         self.flight: list[tuple[int, bool] | None] = [None] * (STORE_LATENCY - 1)
+        self.write: tuple[int, int] | None = None  # of the clock before
         self.data: int | None = None
         self.pending: int | None = None
         self.peeking = False
@@ -34,15 +36,16 @@ class StoreModel:
             self.peeking = True
         if i["peek_valid_i"] and ready:
             self.pending = i["peek_addr_i"]
-        # The memory is looked up on arrival, which is the same thing: writes take as long as reads to reach it.
+        # The memory is looked up at once, which is the same thing: writes take a clock longer than reads to reach it.
         arrived = self.flight.pop()
         self.done = False
         if arrived is not None:
             self.data = arrived[0] if arrived[0] >= 0 else None
             self.done = arrived[1]
         self.flight.insert(0, None if read is None else (self._word(read[0]), read[1]))
-        if i["wr_valid_i"]:
-            self.memory[i["wr_addr_i"]] = i["wr_data_i"]
+        if self.write is not None:
+            self.memory[self.write[0]] = self.write[1]
+        self.write = (i["wr_addr_i"], i["wr_data_i"]) if i["wr_valid_i"] else None
         if self.done:
             self.peeking = False
         if i["rst_i"]:

@@ -177,7 +177,7 @@ module slog_board
   // Whatever follows a word, a frame's begin or its end is over within a few clocks.
   logic store_clk;
   slog_clock_gate #(
-      .Linger(16)
+      .Linger(20)
   ) u_store_gate (
       .clk_i,
       .rst_i   (rst),

@@ -4,9 +4,12 @@
 // slot the other camera holds, or a camera that is writing. An armed request that has not begun may be replaced.
 // A cancelled frame, an aborted frame and clear_i leave their slots invalid.
 //
-// Latency    : word to store write 5 clocks, more when both cameras bring words at once (camera 0 goes first); the slot
-//              is valid 5 clocks after frame_done_i. A command acts in the clock after it, in which armed_o and
-//              refused_o show its outcome.
+// The words' slices (slog_capture_slice) lie near the store, the channels' control near the registers: what goes from one
+// to the other is Hops plain registers on its way.
+//
+// Latency    : word to store write 5 + Hops clocks, more when both cameras bring words at once (camera 0 goes first); the
+//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command acts in the clock after it, in which
+//              armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(
@@ -43,16 +46,17 @@ module slog_capture #(
   localparam int unsigned Depth  = 4;  // of each camera's queue
   localparam int unsigned WordW  = AddrW + GroupBits;
   localparam int unsigned SliceW = 16;
+  localparam int unsigned Hops   = 2;
 
   logic [Cameras-1:0] clear, set, finish, push, empty, pop;
   logic [Cameras-1:0][2:0] slot;
   logic [Cameras-1:0][7:0] slot_mask;
-  logic [Cameras-1:0][AddrW-1:0] addr;
-  logic [Cameras-1:0][GroupBits-1:0] data;
-  logic any_q;  // a word waited in the last clock
+  logic [Cameras-1:0] push_q[Hops], empty_q[Hops];
+  logic [Cameras-1:0][AddrW-1:0] far_addr;
+  logic [Cameras-1:0][GroupBits-1:0] far_data;
   logic [7:0] slot_valid_d, slot_valid_q;
   logic refused, refused_q, done_q;
-  logic wr_valid_q;
+  logic [Hops+1:0] wr_valid_q;  // bit n: a word waited n + 1 clocks ago
   logic [WordW-1:0] word;
 
   // The command, a clock old, and whether the other camera holds its slot. Without such a slot it asks for no camera.
@@ -97,12 +101,25 @@ module slog_capture #(
   assign refused = cmd_valid_q ? cmd_arms_q && arm == '0 : refused_q;
 
   for (genvar c = 0; c < Cameras; c++) begin : g_channel
+    logic [AddrW-1:0] addr, addr_q[Hops];
+    logic [GroupBits-1:0] data, data_q[Hops];
+    always_ff @(posedge clk_i) begin
+      addr_q[0] <= addr;
+      data_q[0] <= data;
+      for (int unsigned n = 1; n < Hops; n++) begin
+        addr_q[n] <= addr_q[n-1];
+        data_q[n] <= data_q[n-1];
+      end
+    end
+    assign far_addr[c] = addr_q[Hops-1];
+    assign far_data[c] = data_q[Hops-1];
     slog_capture_channel #(
         .GroupBits(GroupBits),
         .Slots(Slots),
         .SlotWords(SlotWords),
         .WordsPerRow(WordsPerRow),
-        .Depth(Depth)
+        .Depth(Depth),
+        .Hops(Hops)
     ) u_channel (
         .clk_i,
         .rst_i,
@@ -119,8 +136,8 @@ module slog_capture #(
         .frame_done_i (frame_done_i[c]),
         .frame_abort_i(frame_abort_i[c]),
         .push_o       (push[c]),
-        .addr_o       (addr[c]),
-        .data_o       (data[c]),
+        .addr_o       (addr),
+        .data_o       (data),
         .empty_o      (empty[c]),
         .pop_i        (pop[c]),
         .slot_o       (slot[c]),
@@ -154,7 +171,7 @@ module slog_capture #(
     localparam int unsigned Bits = (WordW - Low < SliceW) ? WordW - Low : SliceW;
     logic [Cameras-1:0][Bits-1:0] part;
     for (genvar c = 0; c < Cameras; c++) begin : g_part
-      assign part[c] = Bits'({addr[c], data[c]} >> Low);
+      assign part[c] = Bits'({far_addr[c], far_data[c]} >> Low);
     end
     slog_capture_slice #(
         .Cameras(Cameras),
@@ -163,9 +180,9 @@ module slog_capture #(
     ) u_slice (
         .clk_i,
         .rst_i,
-        .push_i (push),
+        .push_i (push_q[Hops-1]),
         .data_i (part),
-        .empty_i(empty),
+        .empty_i(empty_q[Hops-1]),
         .data_o (word[Low+:Bits])
     );
   end
@@ -175,18 +192,24 @@ module slog_capture #(
       slot_valid_q <= '0;
       refused_q    <= 1'b0;
       done_q       <= 1'b0;
-      any_q        <= 1'b0;
-      wr_valid_q   <= 1'b0;
+      wr_valid_q   <= '0;
+      for (int unsigned n = 0; n < Hops; n++) begin
+        push_q[n]  <= '0;
+        empty_q[n] <= '1;
+      end
     end else begin
       slot_valid_q <= slot_valid_d;
       refused_q    <= refused;
       done_q       <= finish != '0;
-      any_q        <= empty != '1;
-      wr_valid_q   <= any_q;
+      wr_valid_q   <= {wr_valid_q[Hops:0], empty != '1};
+      for (int unsigned n = 0; n < Hops; n++) begin
+        push_q[n]  <= (n == 0) ? push : push_q[n-1];
+        empty_q[n] <= (n == 0) ? empty : empty_q[n-1];
+      end
     end
   end
 
-  assign wr_valid_o   = wr_valid_q;
+  assign wr_valid_o   = wr_valid_q[Hops+1];
   assign wr_addr_o    = word[WordW-1:GroupBits];
   assign wr_data_o    = word[GroupBits-1:0];
   assign slot_valid_o = slot_valid_q;

@@ -10,8 +10,9 @@
 //   1      what comes from the front end, and whether the correlator reads the slot
 //   2      push_o, with the word and its address: it goes into the queue (slog_capture_slice)
 //   3      the queue's level: empty_o
-// Latency    : word_valid_i to push_o 2 clocks, empty_o falls one later; frame_done_i to set_o 4 clocks when nothing
-//              waits for the store, else 3 after the last word has left the queue.
+// Latency    : word_valid_i to push_o 2 clocks, empty_o falls one later; frame_done_i to set_o 4 + Hops clocks when
+//              nothing waits for the store, else 3 + Hops after the last word has left the queue: the queue's words are
+//              Hops clocks behind its level.
 // Throughput : a word per clock in, as fast out as the store takes it; Depth covers two cameras' narrow row ends.
 `include "slog_assert.svh"
 module slog_capture_channel #(
@@ -20,6 +21,7 @@ module slog_capture_channel #(
     parameter  int unsigned SlotWords   = 4800,
     parameter  int unsigned WordsPerRow = 10,
     parameter  int unsigned Depth       = 4,
+    parameter  int unsigned Hops        = 2,
     localparam int unsigned AddrW       = $clog2(Slots * SlotWords)
 ) (
     input  logic                 clk_i,
@@ -66,7 +68,7 @@ module slog_capture_channel #(
   logic came_q, last_q2, push_q;                     // word_q a clock later; ... and it is written
   logic [GroupBits-1:0] data_q, data_q2;
   logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, start, held, back;
-  logic left_q;                                      // finishing, and the last word is on its way to the store
+  logic [Hops:0] left_q;                             // finishing, and n clocks ago the last word had left the queue
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   logic [Depth:0] level_q;                           // words in the queue, one-hot
   logic up, down;
@@ -76,7 +78,7 @@ module slog_capture_channel #(
   assign judge       = check_q == 3'd1;
   assign back        = (checking_q && (give_q || frame_abort_q)) || (writing_q && frame_abort_q);
   assign restore     = judge && checking_q && slot_busy_q && was_valid_q && !frame_abort_q && !cancel_i;
-  assign finish      = finishing_q && left_q && !finish_q && !cancel_i;
+  assign finish      = finishing_q && left_q[Hops] && !finish_q && !cancel_i;
   assign clear_o     = clear_q;
   assign set_o       = set_q;
   assign finish_o    = finish_q;
@@ -113,7 +115,7 @@ module slog_capture_channel #(
       pass_q        <= 1'b0;
       give_q        <= 1'b0;
       set_q         <= 1'b0;
-      left_q        <= 1'b0;
+      left_q        <= '0;
       finish_q      <= 1'b0;
       word_q        <= 1'b0;
       came_q        <= 1'b0;
@@ -142,7 +144,7 @@ module slog_capture_channel #(
       pass_q        <= judge && !slot_busy_q;
       give_q        <= judge && slot_busy_q;
       set_q         <= restore || finish;
-      left_q        <= finishing_q && !push_q && level_q[0];
+      left_q        <= {Hops + 1{finishing_q}} & {left_q[Hops-1:0], !push_q && level_q[0]};
       finish_q      <= finish;
     end
   end

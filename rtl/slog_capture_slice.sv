@@ -37,7 +37,7 @@ module slog_capture_slice #(
     // Camera 0 waits for nothing.
     assign pop[c] = !empty_q[c] && (c == 0 || empty_q[0]);
     always_ff @(posedge clk_i) begin
-      if (push_i[c]) word_q <= data_i[c];
+      word_q <= data_i[c];
       if (push_q[c]) mem_q[tail_q] <= word_q;
     end
     always_ff @(posedge clk_i) begin
