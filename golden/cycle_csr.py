@@ -79,7 +79,9 @@ class CsrModel:
         if self.under_way:
             return None
         read = None if self.ar is None or (wait and self.ar & ~3 == self.waits) else Request(self.ar & ~3, False)
-        write = None if self.aw is None or self.w is None or not self.w_settled else Request(self.aw & ~3, True, *self.w)
+        write = None
+        if self.aw is not None and self.w is not None and self.w_settled:
+            write = Request(self.aw & ~3, True, *self.w)
         if read and write:
             return write if self.read_last else read
         return read or write
