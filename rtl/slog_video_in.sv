@@ -4,7 +4,7 @@
 // behind works on uninterrupted lines. Output row r of a frame is computed while row r + Radius is issued. A frame's
 // last Radius rows come out under the next frame's first lines or, while no frame is received, under filler lines.
 //
-// Stages     : 1 beat judged    2 line event, pixel written    3 line started    4, 5 ring read
+// Stages     : 1 beat judged    2 line event    3 line started, pixel written    4, 5 ring read
 // Latency    : last pixel of a line accepted in clock t: its first pixel comes (px_valid_o) in clock t + 5, if idle.
 //              dropped_o comes 2 clocks after the beat that tells.
 // Throughput : one pixel per clock, no blanking. tready_o is low only while the ring is full or,
@@ -120,16 +120,17 @@ module slog_video_in #(
   // ---- Writer: one clock behind the beats. What it counts is needed again no sooner than in a line's next to last pixel.
   logic [9:0]       left_q, wr_row_q;  // pixels of the line to come after the next one
   logic             end_0_q, end_1_q;  // the next pixel is the last but one: if none comes in this clock; if one does
-  logic             near_end, first_row_q, wr_en_q;
+  logic             near_end, first_row_q, wr_en_q, wr_en_q2;
   logic [1:0]       wr_line_q;
-  logic [7:0]       wr_data_q;
-  logic [AddrW-1:0] wr_addr_q, wr_addr;
+  logic [7:0]       wr_data_q, wr_data_q2;
+  logic [AddrW-1:0] wr_addr_q, wr_addr_q2;  // of the next pixel that starts no frame; on its way to the ring
 
   assign near_end = !event_start_q && (wr_en_q ? end_1_q : end_0_q);
-  assign wr_addr  = event_start_q ? base(wr_line_q) : wr_addr_q;
 
   always_ff @(posedge clk_i) begin
-    wr_data_q <= tdata_i;
+    wr_data_q  <= tdata_i;
+    wr_data_q2 <= wr_data_q;
+    wr_addr_q2 <= event_start_q ? base(wr_line_q) : wr_addr_q;
     event_last_q <= tlast_i;
     end_0_q <= !event_start_q && (wr_en_q ? left_q == 10'd2 : left_q == 10'd1);
     end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
@@ -146,10 +147,12 @@ module slog_video_in #(
     if (rst_i) begin
       at_end_q  <= 1'b0;
       wr_en_q   <= 1'b0;
+      wr_en_q2  <= 1'b0;
       wr_line_q <= '0;
     end else begin
       if (come) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
-      wr_en_q <= wr_en;
+      wr_en_q  <= wr_en;
+      wr_en_q2 <= wr_en_q;
       if (event_commit_q) wr_line_q <= next_line(wr_line_q);
     end
   end
@@ -341,9 +344,9 @@ module slog_video_in #(
       .Depth(Depth)
   ) u_ring (
       .clk_i,
-      .wr_en_i  (wr_en_q),
-      .wr_addr_i(wr_addr),
-      .wr_data_i(wr_data_q),
+      .wr_en_i  (wr_en_q2),
+      .wr_addr_i(wr_addr_q2),
+      .wr_data_i(wr_data_q2),
       .rd_en_i  (reading_q),
       .rd_addr_i(rd_addr_q),
       .rd_data_o(px_data_o)
