@@ -218,7 +218,7 @@ def chatter(h: Host) -> Generator[None, None, None]:
     harmless = [address(r) for r in ("job.tpl", "job.window", "job.search", "job.offsets", "irq_enable", "irq_status")]
     h.master.overlap = 6
     reads = 0
-    for _ in range(1400):
+    for _ in range(1700):
         if not h.beats[0]:
             h.show(0, texture(h.rng, *SIZE))
         if len(h.master.waiting) < 6:
