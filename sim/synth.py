@@ -34,9 +34,10 @@ DEVICE = "LFE5U-85F-6"
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGET_MHZ = 152
 """What place and route work for: 150, and a little to spare."""
-PLACE_AND_ROUTE = ("--placer", "heap", "--placer-heap-timingweight", "30", "--router", "router2", "--tmg-ripup")
+PLACE_AND_ROUTE = ("--placer", "heap", "--placer-heap-timingweight", "30", "--router", "router2")
 """Of nextpnr's placers the one that minds time, three times as much as it does by itself: a few wires across the device
-decide the clock. Of its routers the one that takes up again what comes too late; the other one has hung."""
+decide the clock. The default router has hung on its last wires. Left out is `--tmg-ripup`, which routes
+again what comes late: it need not end where a path cannot be met."""
 EBR_LIMIT_MHZ = 212.0
 """Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
 AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
