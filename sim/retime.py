@@ -70,8 +70,7 @@ CHOICES = """
     assign readback_err = '0;
 """
 EDITS = (
-    (r"^ +decoded_reg_strb_t decoded_reg_strb;\n",
-     DECODED[1:]),
+    (r"^ +decoded_reg_strb_t decoded_reg_strb;\n", DECODED[1:]),
     (r"^ +assign decoded_req = cpuif_req_masked;\n", DECODER[1:]),
     (r"^ +assign decoded_wr_data = cpuif_wr_data;\n", ""),
     (r"^ +assign decoded_wr_biten = cpuif_wr_biten;\n", ""),

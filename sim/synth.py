@@ -36,8 +36,8 @@ TARGET_MHZ = 152
 """What place and route work for: 150, and a little to spare."""
 PLACE_AND_ROUTE = ("--placer", "heap", "--placer-heap-timingweight", "30", "--router", "router2")
 """Of nextpnr's placers the one that minds time, three times as much as it does by itself: a few wires across the device
-decide the clock. The default router has hung on its last wires. Left out is `--tmg-ripup`, which routes
-again what comes late: it need not end where a path cannot be met."""
+decide the clock. The default router has hung on its last wires. Left out is `--tmg-ripup`, which routes again what is
+late: it need not end where a path cannot be met."""
 EBR_LIMIT_MHZ = 212.0
 """Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
 AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
