@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 
 from golden.cycle_csr import CsrModel, FieldPlace
 from golden.params import COEF_BITS, COEF_FRACTION, Config
 from golden.structs import JOB, RESULT
 
-SETTLE = 9
+SETTLE = 12
 STORED = {
     "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
     "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
@@ -38,7 +39,9 @@ class FilterBankModel:
         self.staged = {0: list(zeros), 1: list(zeros)}
         self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
         self.camera = False  # one was active in the clock before
-        self.coming: tuple[int, int, int] | None = None  # coefficient to be staged: kernel, index, value
+        # Coefficients on their way to be staged: kernel, index, value.
+        self.coming: deque[tuple[int, int, int] | None] = deque([None] * 5, 5)
+        self.hold = [1] * self.config.cameras
         self.taking: tuple[int, int] | None = None  # size to be put in use
         self.load = 1
         self.clearing = True
@@ -57,12 +60,12 @@ class FilterBankModel:
         return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
 
     def _shift(self) -> None:
-        """Shift p reaches coefficient k of g in clock 2 + 2 * p + coefs - 1 - k of the loading, of g2 in the next; the
-        last one ends it."""
+        """Shift p reaches coefficient k of g in clock 4 + 2 * p + coefs - 1 - k of the loading, of g2 in the next;
+        two clocks after the last one it ends."""
         if self.load is None:
             return
         count = self.config.coefs
-        shifted = [count + 1 + 2 * p - self.load for p in range(count)]
+        shifted = [count + 3 + 2 * p - self.load for p in range(count)]
         for kernel, values in self.active.items():
             before = [self.next[kernel], *values[:-1]]
             for k in (at + kernel for at in shifted):
@@ -73,13 +76,14 @@ class FilterBankModel:
         if place >= 0:
             self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
         self.load += 1
-        if self.load == 3 * count + 1:
+        if self.load == 3 * count + 5:
             self.load, self.clearing = None, False
 
     def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
              active: int) -> None:
         """Take the clock edge."""
         c = self.config
+        self.hold = [self.busy, *self.hold[:-1]]
         calm = bool(self.pending and not self.camera and self.taking is None and self.load is None)
         apply = calm and self.settle == SETTLE
         self.changed = 0
@@ -91,9 +95,11 @@ class FilterBankModel:
                 self.changed, self.size = int(self.taking != self.size), self.taking
             self.load = 1
         self.taking = size if apply else None
-        if self.coming is not None:
-            self.staged[self.coming[0]][self.coming[1]] = self.coming[2]
-        self.coming = (second, index, value) if coef and index < c.coefs else None
+        self.coming.append((second, index, value) if coef and index < c.coefs else None)
+        for kernel in (0, 1):
+            came = self.coming[1 - kernel]
+            if came is not None and came[0] == kernel:
+                self.staged[kernel][came[1]] = came[2]
         self.settle = min(self.settle + 1, SETTLE) if calm else 0
         self.pending = int(commit or (self.pending and not apply))
         self.camera = bool(active)
@@ -177,7 +183,7 @@ class ControlModel:
         v, bank = self.csr.value, self.bank
         return {
             **self.csr.outputs(),
-            "hold_o": bank.busy, "width_o": bank.size[0], "height_o": bank.size[1], "g_o": bank.coefs(0),
+            "hold_o": sum(h << c for c, h in enumerate(bank.hold)), "width_o": bank.size[0], "height_o": bank.size[1], "g_o": bank.coefs(0),
             "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
             "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
             "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],

@@ -47,7 +47,7 @@ module slog_board
   localparam int unsigned ResultLevelW = $clog2(ResultDepth + 1);
 
   // Front ends
-  logic hold;
+  logic [Cameras-1:0] hold;
   logic [9:0] width, height;
   logic [Coefs-1:0][CoefBits-1:0] g, g2;
   logic [Cameras-1:0] front_busy, accepted, dropped;
@@ -142,7 +142,7 @@ module slog_board
     slog_clock_gate u_gate (
         .clk_i,
         .rst_i   (rst),
-        .active_i(vid_tvalid_i[c] || front_busy[c] || hold),
+        .active_i(vid_tvalid_i[c] || front_busy[c] || hold[c]),
         .clk_o   (clk)
     );
     slog_frontend #(
@@ -161,7 +161,7 @@ module slog_board
         .height_i     (height),
         .g_i          (g),
         .g2_i         (g2),
-        .hold_i       (hold),
+        .hold_i       (hold[c]),
         .busy_o       (front_busy[c]),
         .word_valid_o (word_valid[c]),
         .word_data_o  (word_data[c]),

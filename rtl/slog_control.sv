@@ -33,7 +33,7 @@ module slog_control
     output logic                           s_axil_rvalid,
     input  logic                           s_axil_rready,
     // front ends
-    output logic                           hold_o,
+    output logic [Cameras-1:0]             hold_o,
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
