@@ -114,7 +114,7 @@ class PeekModel:
 
     def reset(self) -> None:
         """State after reset."""
-        self.started = self.onward = self.new = self.want = self.flight = self.drop = False
+        self.go = self.started = self.onward = self.new = self.new2 = self.want = self.flight = self.drop = False
         self.valid = self.outside = self.done = False
         self.have = True
         self.word: int | None = 0
@@ -126,18 +126,24 @@ class PeekModel:
         """What the next read gets; None if undefined."""
         return None if self.word is None else self.word >> 32 * self.chunk & 0xFFFFFFFF
 
+    @property
+    def ready(self) -> bool:
+        """`data` may be read."""
+        return self.have and not self.go
+
     def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:
         """Take the clock edge."""
+        now, self.go = self.go, bool(go)
         taken = self.valid and bool(ready)
         ask = self.want and not self.flight and not self.valid
         inside = self.address < self.store_words
         onward, self.onward = self.onward, take and self.started and self.chunk == self.chunks - 1
-        self.want = self.new or (self.want and not ask)
-        self.new = bool(go) or onward
+        self.want = self.new2 or (self.want and not ask)
+        self.new, self.new2 = now or onward, self.new
         if self.outside:
             self.have, self.word = True, 0
-        self.outside = not go and ask and not inside
-        self.valid = not go and ((ask and inside) or (self.valid and not ready))
+        self.outside = not now and ask and not inside
+        self.valid = not now and ((ask and inside) or (self.valid and not ready))
         if self.done:
             self.have, self.word = not self.drop, self.coming
         drop = (self.flight and not self.done) or taken
@@ -148,7 +154,7 @@ class PeekModel:
         self.chunk += take
         if onward:
             self.have, self.address, self.chunk = False, (self.address + 1) & 0xFFFFFF, 0
-        if go:
+        if now:
             self.started, self.want, self.have, self.address, self.chunk = True, False, False, address, 0
             self.drop = drop
 
@@ -176,7 +182,7 @@ class ControlModel:
         self.peek_wait = False
         self.happened, self.counted = [0] * len(self.counts), [0] * len(self.counts)  # one and two clocks before
         self.seen, self.refused = 0, False  # a result; the front one's job was refused: one clock before
-        self.pops = (0, 0)  # the host's order to drop a result, one and two clocks before
+        self.pops = (0, 0, 0)  # the host's order to drop a result, one to three clocks before
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
@@ -195,7 +201,7 @@ class ControlModel:
                 "search_x": v["job.search.x"], "search_y": v["job.search.y"],
                 "offsets_x": v["job.offsets.across"], "offsets_y": v["job.offsets.down"]}),
             "grid_x_o": v["job.grid.across"], "grid_y_o": v["job.grid.down"], "step_x_o": v["job.step.x"],
-            "step_y_o": v["job.step.y"], "result_ready_o": self.pops[0],
+            "step_y_o": v["job.step.y"], "result_ready_o": self.pops[1],
             "peek_valid_o": int(self.peek.valid), "peek_addr_o": self.peek.address if self.peek.valid else None,
             "irq_o": self.irq,
         }
@@ -242,11 +248,11 @@ class ControlModel:
         events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.csr.taken
         lost = self.happened[OVERFLOW]
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
-        self.peek_wait = not self.peek.have or bool(v["peek_address.go"])
+        self.peek_wait = not self.peek.ready or bool(v["peek_address.go"])
         found = self.csr.found
         if found is not None and not found.is_write:  # otherwise nobody reads in the next clock
             self.shown = self.status(i, result)
-        taken = bool(self.seen and self.pops[1])
+        taken = bool(self.seen and self.pops[2])
         refused, seen = self.refused, self.seen
         self.seen = i["result_valid_i"]
         self.refused = result is not None and RESULT.unpack(result)["status"] != 0
@@ -256,9 +262,9 @@ class ControlModel:
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
             self.events, self.happened = dict.fromkeys(EVENTS, 0), [0] * len(self.counts)
-            self.counted, self.pops = [0] * len(self.counts), (0, 0)
+            self.counted, self.pops = [0] * len(self.counts), (0, 0, 0)
             return
-        self.pops = (v["result.pop.go"], self.pops[0])
+        self.pops = (v["result.pop.go"], *self.pops[:2])
         happened: list[int] = [1, i["work_i"], i["score_i"], taken and not refused, taken and refused, overflow,
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
         irq = (seen and v["irq_enable.result"]) or any(
