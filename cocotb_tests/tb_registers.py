@@ -158,7 +158,7 @@ async def counters_and_interrupt(dut) -> None:
     first = await bus.read_dword(address("counter.clocks"))
     for _ in range(50):
         await RisingEdge(dut.clk_i)
-    assert await bus.read_dword(address("counter.clocks")) - first == 50 + 13  # the read itself
+    assert await bus.read_dword(address("counter.clocks")) - first == 50 + 14  # the read itself
 
     assert await bus.read_dword(address("irq_status")) == fields()["irq_status.drop"].mask
     await bus.write_dword(address("irq_status"), 0xFFFFFFFF)
