@@ -141,7 +141,7 @@ def full_queues(h: Host) -> Script:
     assert h.irq
     yield from h.collect(len(jobs))
     check_results(h, jobs, planes)
-    yield from h.pause(4)
+    yield from h.pause(5)
     assert not h.irq and len(jobs) > TINY.result_depth + TINY.job_depth
 
 

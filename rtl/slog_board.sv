@@ -265,7 +265,8 @@ module slog_board
 
   slog_ram_fifo #(
       .Width($bits(job_t)),
-      .Depth(JobDepth)
+      .Depth(JobDepth),
+      .Kept (1'b1)
   ) u_jobs (
       .clk_i      (correlator_clk),
       .rst_i      (rst),
@@ -273,7 +274,7 @@ module slog_board
       .in_ready_o (laid_ready),
       .in_data_i  (laid),
       .out_valid_o(job_valid),
-      .out_ready_i(job_ready),
+      .out_ready_i(job_valid && job_ready),
       .out_data_o (job),
       .level_o    (job_level)
   );
