@@ -41,7 +41,7 @@ class BoardModel:
 
     def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
         c = self.config = config
-        self.resets = deque([1, 1])  # of the two clocks before
+        self.resets = deque([1, 1, 1])  # of the three clocks before
         self.control = ControlModel(c, fields)
         self.front = [FrontendModel(c.max_width, c.radius, c.group_bits) for _ in range(c.cameras)]
         self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)

@@ -3,7 +3,7 @@
 // Registers  : AXI4-Lite, rtl/slog_csr.rdl.
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
 // Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
-// Reset      : reaches the blocks 2 clocks late; what the board says or is told until then is lost. At power-up it is in
+// Reset      : reaches the blocks 3 clocks late; what the board says or is told until then is lost. At power-up it is in
 //              reset.
 module slog_board
   import slog_pkg::*;
