@@ -189,8 +189,8 @@ class ControlModel:
         v, bank = self.csr.value, self.bank
         return {
             **self.csr.outputs(),
-            "hold_o": sum(h << c for c, h in enumerate(bank.hold)), "width_o": bank.size[0], "height_o": bank.size[1], "g_o": bank.coefs(0),
-            "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
+            "hold_o": sum(h << c for c, h in enumerate(bank.hold)), "width_o": bank.size[0],
+            "height_o": bank.size[1], "g_o": bank.coefs(0), "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
             "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
             "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],
             "job_valid_o": v["job.submit.go"],

@@ -78,7 +78,9 @@ class CsrModel:
         """The access that begins in the next clock; `wait`: the waiting register is not ready."""
         if self.under_way:
             return None
-        read = None if self.ar is None or not self.ar_settled or (wait and self.ar & ~3 == self.waits) else Request(self.ar & ~3, False)
+        read = None
+        if self.ar is not None and self.ar_settled and not (wait and self.ar & ~3 == self.waits):
+            read = Request(self.ar & ~3, False)
         write = None
         if self.aw is not None and self.aw_settled and self.w is not None and self.w_settled:
             write = Request(self.aw & ~3, True, *self.w)

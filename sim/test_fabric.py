@@ -47,7 +47,7 @@ def test_a_copy_has_a_register_of_its_own_before_it(tmp_path: Path) -> None:
              "a.d.data": _cell("TRELLIS_FF", "Q", CLK=2, LSR="0", DI=5, Q=8)}
     moved, after = _moved(tmp_path / "netlist.json", cells)
     assert moved == 2
-    for load, (hop, copy) in (("a.b.lut", ("a.b.fabric0", "a.b.fabric1")), ("a.d.data", ("a.d.fabric2", "a.d.fabric3"))):
+    for load, hop, copy in (("a.b.lut", "a.b.fabric0", "a.b.fabric1"), ("a.d.data", "a.d.fabric2", "a.d.fabric3")):
         assert after[hop]["connections"]["DI"] == [10]
         assert after[copy]["connections"]["DI"] == after[hop]["connections"]["Q"]
         assert after[copy]["connections"]["Q"] in after[load]["connections"].values()
