@@ -9,7 +9,7 @@ OUT_DEPTH = 6
 
 
 class RamFifoModel:
-    """Queue of `depth` words: a clock to the RAM, two of reading, a short queue in front; a word that left counts for one.
+    """Queue of `depth` words: a clock to the RAM, two of reading, a short queue; a word that left counts for one.
 
     Data is undefined while not valid.
     """
