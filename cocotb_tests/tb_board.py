@@ -9,7 +9,7 @@ import cocotb
 import numpy as np
 
 from cocotb_tests.env.cycle import check_cycles
-from cocotb_tests.env.host import Host, Script
+from cocotb_tests.env.host import RESET_DELAY, Host, Script
 from cocotb_tests.env.stalls import SHAPES
 from cocotb_tests.env.video import BAD_KINDS, bad, texture
 from golden.correlate import Job, Plane, Status, grid, run, surface
@@ -141,7 +141,7 @@ def full_queues(h: Host) -> Script:
     assert h.irq
     yield from h.collect(len(jobs))
     check_results(h, jobs, planes)
-    yield from h.pause(4)
+    yield from h.pause(5)
     assert not h.irq and len(jobs) > TINY.result_depth + TINY.job_depth
 
 
@@ -239,7 +239,8 @@ def chatter(h: Host) -> Generator[None, None, None]:
 async def scenario(dut, script, video: str = "none", sink: str = "none", bus: str = "none") -> Host:
     rng = random.Random(cocotb.RANDOM_SEED)
     host = Host(TINY, rng, video, sink, bus)
-    clocks = await check_cycles(dut, BoardModel(TINY, fields()), host.play(script(host)))
+    clocks = await check_cycles(dut, BoardModel(TINY, fields()), host.play(script(host)),
+                                reset_clocks=RESET_DELAY)
     assert clocks > 2000 and host.master.finished > 100
     return host
 

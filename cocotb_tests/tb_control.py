@@ -11,7 +11,7 @@ from golden.cycle_control import ControlModel
 from golden.params import CONFIGS
 from sim.registers import fields
 
-CLOCKS = 4000
+CLOCKS = 6000
 
 
 def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:

@@ -16,16 +16,20 @@ def commands(rng: random.Random, source: str, sink: str) -> Stimulus:
     """Random grids, some running off the coordinates, with one reset in mid-grid."""
     offer, take = willing(source, rng), willing(sink, rng)
     held: Inputs | None = None
+    room = 0  # once there, it stays until a job has come
     for t in range(CLOCKS):
         garbage = {"job_i": rng.getrandbits(JOB.bits), "count_x_i": rng.choice((0, 1, 1, 2, 5)),
                    "count_y_i": rng.choice((0, 1, 1, 2, 4)), "step_x_i": rng.choice((0, 1, 16, 300, 1023)),
                    "step_y_i": rng.choice((0, 1, 16, 300, 1023))}
         if held is None and next(offer):
             held = garbage
-        out = yield {"rst_i": int(t == CLOCKS // 2), "job_valid_i": int(held is not None), "job_ready_i": next(take),
+        room = room or next(take)
+        out = yield {"rst_i": int(t == CLOCKS // 2), "job_valid_i": int(held is not None), "job_ready_i": room,
                      **(held or garbage)}
         if out["job_ready_o"]:
             held = None
+        if out["job_valid_o"]:
+            room = 0
 
 
 @cocotb.test()

@@ -30,18 +30,18 @@ async def every_clock(dut, source: str, sink: str) -> None:
 
 @cocotb.test()
 async def rate_and_latency(dut) -> None:
-    """Four clocks to get through, then a word per clock for as long as it is fed."""
+    """Five clocks to get through, then a word per clock for as long as it is fed."""
     model, words = RamFifoModel(params()["Depth"]), 60
     seen: list[tuple[int, int | None]] = []
 
     def source(count: int) -> Stimulus:
-        for t in range(count + 5):
+        for t in range(count + 6):
             out = yield {"rst_i": 0, "in_valid_i": int(t < count), "in_data_i": t, "out_ready_i": 1}
             if out["out_valid_o"]:
                 seen.append((t, out["out_data_o"]))
 
     await check_cycles(dut, model, source(words))
-    assert seen == [(t + 4, t) for t in range(words)]
+    assert seen == [(t + 5, t) for t in range(words)]
     assert model.level == 0
 
 

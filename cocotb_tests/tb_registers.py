@@ -158,7 +158,7 @@ async def counters_and_interrupt(dut) -> None:
     first = await bus.read_dword(address("counter.clocks"))
     for _ in range(50):
         await RisingEdge(dut.clk_i)
-    assert await bus.read_dword(address("counter.clocks")) - first == 50 + 13  # the read itself
+    assert await bus.read_dword(address("counter.clocks")) - first == 50 + 14  # the read itself
 
     assert await bus.read_dword(address("irq_status")) == fields()["irq_status.drop"].mask
     await bus.write_dword(address("irq_status"), 0xFFFFFFFF)
@@ -203,9 +203,9 @@ async def filter_and_peek(dut) -> None:
     assert int(dut.g_o.value) == 0 and int(dut.hold_o.value) == 0
     await bus.write_dword(address("filter"), word("filter", go=1))
     assert await bus.read_dword(address("filter")) == word("filter", busy=1, active=1)
-    assert int(dut.g_o.value) == 0 and int(dut.hold_o.value) == 1
+    assert int(dut.g_o.value) == 0 and int(dut.hold_o.value) == (1 << config.cameras) - 1
     dut.active_i.value = 0
-    settled = 16 + 3 * config.coefs  # clocks: the coefficients are shifted in
+    settled = 24 + 3 * config.coefs  # clocks: the coefficients are shifted in
     for _ in range(settled):
         await RisingEdge(dut.clk_i)
     for port, second in ((dut.g_o, 0), (dut.g2_o, 1)):

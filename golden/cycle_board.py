@@ -41,7 +41,7 @@ class BoardModel:
 
     def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
         c = self.config = config
-        self.resets = deque([1, 1])  # of the two clocks before
+        self.resets = deque([1, 1, 1])  # of the three clocks before
         self.control = ControlModel(c, fields)
         self.front = [FrontendModel(c.max_width, c.radius, c.group_bits) for _ in range(c.cameras)]
         self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)
@@ -91,10 +91,11 @@ class BoardModel:
     def _cameras(self, i: Mapping[str, int], control: dict[str, int]) -> dict[str, int]:
         """Outputs of both front ends, packed."""
         packed = dict.fromkeys((*FrontendModel.OUTPUTS,), 0)
-        settings = {f"{name}_i": control[f"{name}_o"] for name in ("width", "height", "hold", "g", "g2")}
+        settings = {f"{name}_i": control[f"{name}_o"] for name in ("width", "height", "g", "g2")}
         for c, front in enumerate(self.front):
             out = front.step({
-                "rst_i": i["rst_i"], **settings, "tdata_i": i["vid_tdata_i"] >> PIXEL_BITS * c & (1 << PIXEL_BITS) - 1,
+                "rst_i": i["rst_i"], **settings, "hold_i": control["hold_o"] >> c & 1,
+                "tdata_i": i["vid_tdata_i"] >> PIXEL_BITS * c & (1 << PIXEL_BITS) - 1,
                 **{f"t{name}_i": i[f"vid_t{name}_i"] >> c & 1 for name in ("valid", "user", "last")}})
             for name, value in out.items():
                 packed[name] |= (value or 0) << c * (self.config.group_bits if name == "word_data_o" else 1)

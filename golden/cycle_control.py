@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 
 from golden.cycle_csr import CsrModel, FieldPlace
 from golden.params import COEF_BITS, COEF_FRACTION, Config
 from golden.structs import JOB, RESULT
 
-SETTLE = 9
+SETTLE = 12
 STORED = {
     "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
     "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
@@ -38,7 +39,9 @@ class FilterBankModel:
         self.staged = {0: list(zeros), 1: list(zeros)}
         self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
         self.camera = False  # one was active in the clock before
-        self.coming: tuple[int, int, int] | None = None  # coefficient to be staged: kernel, index, value
+        # Coefficients on their way to be staged: kernel, index, value.
+        self.coming: deque[tuple[int, int, int] | None] = deque([None] * 5, 5)
+        self.hold = [1] * self.config.cameras
         self.taking: tuple[int, int] | None = None  # size to be put in use
         self.load = 1
         self.clearing = True
@@ -57,12 +60,12 @@ class FilterBankModel:
         return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
 
     def _shift(self) -> None:
-        """Shift p reaches coefficient k of g in clock 2 + 2 * p + coefs - 1 - k of the loading, of g2 in the next; the
-        last one ends it."""
+        """Shift p reaches coefficient k of g in clock 4 + 2 * p + coefs - 1 - k of the loading, of g2 in the next;
+        two clocks after the last one it ends."""
         if self.load is None:
             return
         count = self.config.coefs
-        shifted = [count + 1 + 2 * p - self.load for p in range(count)]
+        shifted = [count + 3 + 2 * p - self.load for p in range(count)]
         for kernel, values in self.active.items():
             before = [self.next[kernel], *values[:-1]]
             for k in (at + kernel for at in shifted):
@@ -73,13 +76,14 @@ class FilterBankModel:
         if place >= 0:
             self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
         self.load += 1
-        if self.load == 3 * count + 1:
+        if self.load == 3 * count + 5:
             self.load, self.clearing = None, False
 
     def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
              active: int) -> None:
         """Take the clock edge."""
         c = self.config
+        self.hold = [self.busy, *self.hold[:-1]]
         calm = bool(self.pending and not self.camera and self.taking is None and self.load is None)
         apply = calm and self.settle == SETTLE
         self.changed = 0
@@ -91,9 +95,11 @@ class FilterBankModel:
                 self.changed, self.size = int(self.taking != self.size), self.taking
             self.load = 1
         self.taking = size if apply else None
-        if self.coming is not None:
-            self.staged[self.coming[0]][self.coming[1]] = self.coming[2]
-        self.coming = (second, index, value) if coef and index < c.coefs else None
+        self.coming.append((second, index, value) if coef and index < c.coefs else None)
+        for kernel in (0, 1):
+            came = self.coming[1 - kernel]
+            if came is not None and came[0] == kernel:
+                self.staged[kernel][came[1]] = came[2]
         self.settle = min(self.settle + 1, SETTLE) if calm else 0
         self.pending = int(commit or (self.pending and not apply))
         self.camera = bool(active)
@@ -108,7 +114,7 @@ class PeekModel:
 
     def reset(self) -> None:
         """State after reset."""
-        self.started = self.onward = self.new = self.want = self.flight = self.drop = False
+        self.go = self.started = self.onward = self.new = self.new2 = self.want = self.flight = self.drop = False
         self.valid = self.outside = self.done = False
         self.have = True
         self.word: int | None = 0
@@ -120,18 +126,24 @@ class PeekModel:
         """What the next read gets; None if undefined."""
         return None if self.word is None else self.word >> 32 * self.chunk & 0xFFFFFFFF
 
+    @property
+    def ready(self) -> bool:
+        """`data` may be read."""
+        return self.have and not self.go
+
     def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:
         """Take the clock edge."""
+        now, self.go = self.go, bool(go)
         taken = self.valid and bool(ready)
         ask = self.want and not self.flight and not self.valid
         inside = self.address < self.store_words
         onward, self.onward = self.onward, take and self.started and self.chunk == self.chunks - 1
-        self.want = self.new or (self.want and not ask)
-        self.new = bool(go) or onward
+        self.want = self.new2 or (self.want and not ask)
+        self.new, self.new2 = now or onward, self.new
         if self.outside:
             self.have, self.word = True, 0
-        self.outside = not go and ask and not inside
-        self.valid = not go and ((ask and inside) or (self.valid and not ready))
+        self.outside = not now and ask and not inside
+        self.valid = not now and ((ask and inside) or (self.valid and not ready))
         if self.done:
             self.have, self.word = not self.drop, self.coming
         drop = (self.flight and not self.done) or taken
@@ -142,7 +154,7 @@ class PeekModel:
         self.chunk += take
         if onward:
             self.have, self.address, self.chunk = False, (self.address + 1) & 0xFFFFFF, 0
-        if go:
+        if now:
             self.started, self.want, self.have, self.address, self.chunk = True, False, False, address, 0
             self.drop = drop
 
@@ -170,15 +182,15 @@ class ControlModel:
         self.peek_wait = False
         self.happened, self.counted = [0] * len(self.counts), [0] * len(self.counts)  # one and two clocks before
         self.seen, self.refused = 0, False  # a result; the front one's job was refused: one clock before
-        self.pops = (0, 0)  # the host's order to drop a result, one and two clocks before
+        self.pops = (0, 0, 0)  # the host's order to drop a result, one to three clocks before
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
         v, bank = self.csr.value, self.bank
         return {
             **self.csr.outputs(),
-            "hold_o": bank.busy, "width_o": bank.size[0], "height_o": bank.size[1], "g_o": bank.coefs(0),
-            "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
+            "hold_o": sum(h << c for c, h in enumerate(bank.hold)), "width_o": bank.size[0],
+            "height_o": bank.size[1], "g_o": bank.coefs(0), "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
             "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
             "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],
             "job_valid_o": v["job.submit.go"],
@@ -189,7 +201,7 @@ class ControlModel:
                 "search_x": v["job.search.x"], "search_y": v["job.search.y"],
                 "offsets_x": v["job.offsets.across"], "offsets_y": v["job.offsets.down"]}),
             "grid_x_o": v["job.grid.across"], "grid_y_o": v["job.grid.down"], "step_x_o": v["job.step.x"],
-            "step_y_o": v["job.step.y"], "result_ready_o": self.pops[0],
+            "step_y_o": v["job.step.y"], "result_ready_o": self.pops[1],
             "peek_valid_o": int(self.peek.valid), "peek_addr_o": self.peek.address if self.peek.valid else None,
             "irq_o": self.irq,
         }
@@ -236,11 +248,11 @@ class ControlModel:
         events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.csr.taken
         lost = self.happened[OVERFLOW]
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
-        self.peek_wait = not self.peek.have or bool(v["peek_address.go"])
+        self.peek_wait = not self.peek.ready or bool(v["peek_address.go"])
         found = self.csr.found
         if found is not None and not found.is_write:  # otherwise nobody reads in the next clock
             self.shown = self.status(i, result)
-        taken = bool(self.seen and self.pops[1])
+        taken = bool(self.seen and self.pops[2])
         refused, seen = self.refused, self.seen
         self.seen = i["result_valid_i"]
         self.refused = result is not None and RESULT.unpack(result)["status"] != 0
@@ -250,9 +262,9 @@ class ControlModel:
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
             self.events, self.happened = dict.fromkeys(EVENTS, 0), [0] * len(self.counts)
-            self.counted, self.pops = [0] * len(self.counts), (0, 0)
+            self.counted, self.pops = [0] * len(self.counts), (0, 0, 0)
             return
-        self.pops = (v["result.pop.go"], self.pops[0])
+        self.pops = (v["result.pop.go"], *self.pops[:2])
         happened: list[int] = [1, i["work_i"], i["score_i"], taken and not refused, taken and refused, overflow,
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
         irq = (seen and v["irq_enable.result"]) or any(

@@ -61,7 +61,7 @@ class CsrModel:
         self.ar: int | None = None
         self.aw: int | None = None
         self.w: tuple[int, int] | None = None
-        self.w_settled = False  # ... since the clock before
+        self.ar_settled = self.aw_settled = self.w_settled = False  # ... since the clock before
         self.under_way, self.read_last = False, False
         self.begun: Request | None = None  # the access that begins in this clock
         self.asked: Request | None = None  # that of the clock before, on its way
@@ -78,9 +78,11 @@ class CsrModel:
         """The access that begins in the next clock; `wait`: the waiting register is not ready."""
         if self.under_way:
             return None
-        read = None if self.ar is None or (wait and self.ar & ~3 == self.waits) else Request(self.ar & ~3, False)
+        read = None
+        if self.ar is not None and self.ar_settled and not (wait and self.ar & ~3 == self.waits):
+            read = Request(self.ar & ~3, False)
         write = None
-        if self.aw is not None and self.w is not None and self.w_settled:
+        if self.aw is not None and self.aw_settled and self.w is not None and self.w_settled:
             write = Request(self.aw & ~3, True, *self.w)
         if read and write:
             return write if self.read_last else read
@@ -135,6 +137,8 @@ class CsrModel:
 
         # What waits, and what comes in where nothing did
         ar, aw, w = self.ar, self.aw, self.w
+        self.ar_settled = ar is not None and not (begun is not None and not begun.is_write)
+        self.aw_settled = aw is not None and not (begun is not None and begun.is_write)
         self.w_settled = w is not None and not (begun is not None and begun.is_write)
         if begun is not None and begun.is_write:
             self.aw = self.w = None

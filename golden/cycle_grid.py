@@ -11,7 +11,7 @@ from golden.structs import pack_job, unpack_job
 class GridModel:
     """Offers the jobs of one command after another, with a clock between any two; a count of 0 is taken as 1.
 
-    The job is undefined while not valid.
+    A job leaves only where there was room in the clock before. The job is undefined while not valid.
     """
 
     INPUTS = ("rst_i", "job_valid_i", "job_i", "count_x_i", "count_y_i", "step_x_i", "step_y_i", "job_ready_i")
@@ -19,19 +19,19 @@ class GridModel:
 
     def __init__(self) -> None:
         self.jobs: deque[Job] = deque()
-        self.between = False
+        self.between = self.room = False
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         jobs = self.jobs
-        valid = bool(jobs) and not self.between
+        valid = bool(jobs) and not self.between and self.room
         out: dict[str, int | None] = {"job_ready_o": int(not jobs), "job_valid_o": int(valid),
                                       "job_o": pack_job(jobs[0]) if valid else None}
-        self.between = False
+        self.between, self.room = False, bool(i["job_ready_i"])
         if i["rst_i"]:
             jobs.clear()
         elif jobs:
-            if valid and i["job_ready_i"]:
+            if valid:
                 jobs.popleft()
                 self.between = bool(jobs)
         elif i["job_valid_i"]:

@@ -9,7 +9,7 @@ OUT_DEPTH = 6
 
 
 class RamFifoModel:
-    """Queue of `depth` words: RAM, two clocks of reading, a short queue in front; a word that left counts for a clock.
+    """Queue of `depth` words: a clock to the RAM, two of reading, a short queue; a word that left counts for one.
 
     Data is undefined while not valid.
     """
@@ -23,6 +23,7 @@ class RamFifoModel:
 
     def clear(self) -> None:
         """Empty it."""
+        self.coming: int | None = None
         self.stored: deque[int] = deque()
         self.flying: deque[int | None] = deque([None, None])
         self.front: deque[int] = deque()
@@ -32,7 +33,8 @@ class RamFifoModel:
     @property
     def level(self) -> int:
         """Words inside, and those just gone."""
-        return len(self.stored) + len(self.front) + sum(w is not None for w in self.flying) + self.left
+        moving = sum(w is not None for w in (self.coming, *self.flying))
+        return len(self.stored) + len(self.front) + moving + self.left
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -47,7 +49,7 @@ class RamFifoModel:
             self.clear()
             return out
         # A place is spoken for from the clock after the read to the clock after the pop; another is kept for that read.
-        spoken = level - len(self.stored) - (self.flying[-1] is not None)
+        spoken = level - len(self.stored) - sum(w is not None for w in (self.coming, self.flying[-1]))
         read = self.stored and spoken <= OUT_DEPTH - 2
         self.flying.append(self.stored.popleft() if read else None)
         self.left = int(bool(self.front and i["out_ready_i"]))
@@ -56,6 +58,7 @@ class RamFifoModel:
         arrived = self.flying.popleft()
         if arrived is not None:
             self.front.append(arrived)
-        if i["in_valid_i"] and out["in_ready_o"]:
-            self.stored.append(i["in_data_i"])
+        if self.coming is not None:
+            self.stored.append(self.coming)
+        self.coming = i["in_data_i"] if i["in_valid_i"] and out["in_ready_o"] else None
         return out

@@ -1,10 +1,11 @@
 // AXI4-Lite to the register block's request port, one access at a time, everything that leaves it from a register.
 //
 // A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
+// The pins lie far apart: what they say is kept two registers behind them, byte k of written data k clocks later still.
 //
-// Latency    : a request leaves 4 clocks after its address was accepted, a write also 5 after its data; bvalid and rvalid
-//              follow the register block's answer by 1 clock. What req_o asks for stays until then. Nothing is accepted
-//              in reset.
+// Latency    : a request leaves 5 clocks after its address, and of a write its data, were accepted; bvalid and rvalid
+//              follow the register block's answer by 1 clock. What req_o asks for stays until then; bytes 2 and 3 of
+//              the data come 1 and 2 clocks after it. Nothing is accepted in reset.
 // Throughput : an access every 5 clocks and the register block's latency, if its response is taken at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
@@ -46,18 +47,18 @@ module slog_axil #(
   logic aw_free_q, w_free_q, ar_free_q;  // none does, and none did in reset
   logic aw, w, ar;
   logic ar_waits_q;            // ... of WaitAddr
-  logic w_q2;                  // data wait, in wdata_q3 from the next clock on
-  logic w_new_q, w_new_q2;     // data may have come one, two clocks before
-  logic [AddrW-1:0] awaddr_q, araddr_q, addr_q, addr_q2;
-  logic [31:0] wdata_q, wdata_q2, wdata_q3, data_q, rdata_q;
-  logic [3:0] wstrb_q, wstrb_q2, wstrb_q3, strb_q;
-  logic under_way_q, read_last_q, req_q, req_q2, is_wr_q, is_wr_q2, bvalid_q, rvalid_q;
+  logic aw_q2, w_q2, ar_q2;    // they wait: kept from the next clock on
+  logic aw_new_q, aw_new_q2, ar_new_q, ar_new_q2;  // an address may have come one, two clocks before
+  logic [4:0] w_new_q;         // data may have come k + 1 clocks before
+  logic [AddrW-1:0] awaddr_q, awaddr_q2, awaddr_q3, araddr_q, araddr_q2, araddr_q3, addr_q, addr_q2;
+  logic [31:0] rdata_q;
+  logic under_way_q, read_last_q, is_wr_q, is_wr_q2, bvalid_q, rvalid_q;
   logic read_q, write_q;       // the access begins
-  logic begin_q;               // either: apart from them, because it enables all of what is asked for
+  logic [3:0] begin_q;         // either did k clocks before: apart from them, because it enables what is asked for
   logic can_read, can_write;
 
-  assign can_read  = ar_q && !(ar_waits_q && wait_i) && !under_way_q;
-  assign can_write = aw_q && w_q2 && !under_way_q;
+  assign can_read  = ar_q2 && !(ar_waits_q && wait_i) && !under_way_q;
+  assign can_write = aw_q2 && w_q2 && !under_way_q;
   assign aw        = (aw_q || (awvalid_i && aw_free_q)) && !write_q;
   assign w         = (w_q || (wvalid_i && w_free_q)) && !write_q;
   assign ar        = (ar_q || (arvalid_i && ar_free_q)) && !read_q;
@@ -70,16 +71,19 @@ module slog_axil #(
       aw_free_q   <= 1'b0;
       w_free_q    <= 1'b0;
       ar_free_q   <= 1'b0;
-      begin_q     <= 1'b0;
+      begin_q     <= '0;
       under_way_q <= 1'b0;
       read_q      <= 1'b0;
       write_q     <= 1'b0;
       read_last_q <= 1'b0;
+      aw_q2       <= 1'b0;
       w_q2        <= 1'b0;
-      w_new_q     <= 1'b0;
-      w_new_q2    <= 1'b0;
-      req_q       <= 1'b0;
-      req_q2      <= 1'b0;
+      ar_q2       <= 1'b0;
+      aw_new_q    <= 1'b0;
+      aw_new_q2   <= 1'b0;
+      ar_new_q    <= 1'b0;
+      ar_new_q2   <= 1'b0;
+      w_new_q     <= '0;
       bvalid_q    <= 1'b0;
       rvalid_q    <= 1'b0;
     end else begin
@@ -91,12 +95,15 @@ module slog_axil #(
       aw_free_q <= !aw;
       w_free_q  <= !w;
       ar_free_q <= !ar;
-      begin_q   <= can_read || can_write;
+      begin_q   <= {begin_q[2:0], can_read || can_write};
+      aw_q2     <= aw_q && !write_q;
       w_q2      <= w_q && !write_q;
-      w_new_q   <= w_free_q;
-      w_new_q2  <= w_new_q;
-      req_q     <= begin_q;
-      req_q2    <= req_q;
+      ar_q2     <= ar_q && !read_q;
+      aw_new_q  <= aw_free_q;
+      aw_new_q2 <= aw_new_q;
+      ar_new_q  <= ar_free_q;
+      ar_new_q2 <= ar_new_q;
+      w_new_q   <= {w_new_q[3:0], w_free_q};
       bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
       rvalid_q <= rd_ack_i || (rvalid_q && !rready_i);
       if (read_q) read_last_q <= 1'b1;
@@ -107,25 +114,16 @@ module slog_axil #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (aw_free_q) awaddr_q <= awaddr_i;
-    // The pins lie far apart: enabled is what comes after them.
-    wdata_q <= wdata_i;
-    wstrb_q <= wstrb_i;
-    wdata_q2 <= wdata_q;
-    wstrb_q2 <= wstrb_q;
-    if (w_new_q2) begin
-      wdata_q3 <= wdata_q2;
-      wstrb_q3 <= wstrb_q2;
-    end
-    if (ar_free_q) begin
-      araddr_q   <= araddr_i;
-      ar_waits_q <= araddr_i[AddrW-1:2] == WaitAddr[AddrW-1:2];
-    end
-    if (begin_q) begin
-      addr_q  <= write_q ? awaddr_q : araddr_q;
+    awaddr_q  <= awaddr_i;
+    awaddr_q2 <= awaddr_q;
+    if (aw_new_q2) awaddr_q3 <= awaddr_q2;
+    araddr_q  <= araddr_i;
+    araddr_q2 <= araddr_q;
+    if (ar_new_q2) araddr_q3 <= araddr_q2;
+    if (ar_new_q) ar_waits_q <= araddr_q[AddrW-1:2] == WaitAddr[AddrW-1:2];
+    if (begin_q[0]) begin
+      addr_q  <= write_q ? awaddr_q3 : araddr_q3;
       is_wr_q <= write_q;
-      data_q  <= wdata_q3;
-      strb_q  <= wstrb_q3;
     end
     addr_q2  <= addr_q;
     is_wr_q2 <= is_wr_q;
@@ -139,15 +137,24 @@ module slog_axil #(
   assign rvalid_o    = rvalid_q;
   assign rdata_o     = rdata_q;
   assign busy_o      = aw_q || w_q || ar_q || under_way_q;
-  assign req_o       = req_q2;
+  assign req_o       = begin_q[2];
   assign req_is_wr_o = is_wr_q2;
   assign req_addr_o  = addr_q2 & ~AddrW'(3);
-  assign req_data_o  = data_q;
-  for (genvar i = 0; i < 4; i++) begin : g_byte
-    assign req_biten_o[8*i+:8] = {8{strb_q[i]}};
+
+  // Each byte of written data in a rhythm of its own, so that no enable serves all of it.
+  for (genvar k = 0; k < 4; k++) begin : g_byte
+    logic [8:0] way_q[k+2], wait_q, data_q;  // the strobe on top
+    always_ff @(posedge clk_i) begin
+      for (int unsigned n = 0; n < k + 2; n++)
+      way_q[n] <= (n == 0) ? {wstrb_i[k], wdata_i[8*k+:8]} : way_q[(n==0)?0 : n-1];
+      if (w_new_q[k+1]) wait_q <= way_q[k+1];
+      if (begin_q[k]) data_q <= wait_q;
+    end
+    assign req_data_o[8*k+:8]  = data_q[7:0];
+    assign req_biten_o[8*k+:8] = {8{data_q[8]}};
   end
 
-  `SLOG_ASSERT(SlogAxilCopies, begin_q == (read_q || write_q)
+  `SLOG_ASSERT(SlogAxilCopies, begin_q[0] == (read_q || write_q)
                                && !(aw_q && aw_free_q) && !(w_q && w_free_q) && !(ar_q && ar_free_q))
   `SLOG_ASSERT(SlogAxilAnswerExpected, wr_ack_i || rd_ack_i |-> under_way_q && !(wr_ack_i && rd_ack_i))
   `SLOG_ASSERT_STABLE(SlogAxilReadStable, rvalid_o, rready_i, rdata_o)

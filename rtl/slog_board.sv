@@ -3,7 +3,7 @@
 // Registers  : AXI4-Lite, rtl/slog_csr.rdl.
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
 // Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
-// Reset      : reaches the blocks 2 clocks late; what the board says or is told until then is lost. At power-up it is in
+// Reset      : reaches the blocks 3 clocks late; what the board says or is told until then is lost. At power-up it is in
 //              reset.
 module slog_board
   import slog_pkg::*;
@@ -47,7 +47,7 @@ module slog_board
   localparam int unsigned ResultLevelW = $clog2(ResultDepth + 1);
 
   // Front ends
-  logic hold;
+  logic [Cameras-1:0] hold;
   logic [9:0] width, height;
   logic [Coefs-1:0][CoefBits-1:0] g, g2;
   logic [Cameras-1:0] front_busy, accepted, dropped;
@@ -142,7 +142,7 @@ module slog_board
     slog_clock_gate u_gate (
         .clk_i,
         .rst_i   (rst),
-        .active_i(vid_tvalid_i[c] || front_busy[c] || hold),
+        .active_i(vid_tvalid_i[c] || front_busy[c] || hold[c]),
         .clk_o   (clk)
     );
     slog_frontend #(
@@ -161,7 +161,7 @@ module slog_board
         .height_i     (height),
         .g_i          (g),
         .g2_i         (g2),
-        .hold_i       (hold),
+        .hold_i       (hold[c]),
         .busy_o       (front_busy[c]),
         .word_valid_o (word_valid[c]),
         .word_data_o  (word_data[c]),
@@ -265,7 +265,8 @@ module slog_board
 
   slog_ram_fifo #(
       .Width($bits(job_t)),
-      .Depth(JobDepth)
+      .Depth(JobDepth),
+      .Kept (1'b1)
   ) u_jobs (
       .clk_i      (correlator_clk),
       .rst_i      (rst),
@@ -273,7 +274,7 @@ module slog_board
       .in_ready_o (laid_ready),
       .in_data_i  (laid),
       .out_valid_o(job_valid),
-      .out_ready_i(job_ready),
+      .out_ready_i(job_valid && job_ready),
       .out_data_o (job),
       .level_o    (job_level)
   );

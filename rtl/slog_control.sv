@@ -1,8 +1,8 @@
 // Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
 // registers' commands turned into the blocks' own terms.
 //
-// Latency    : a command reaches the blocks 6 clocks after its AXI4-Lite write is complete, result.pop 7; what is read is
-//              one clock old, whether there is a result two, counts three, those of results four; irq_o follows a result
+// Latency    : a command reaches the blocks 9 clocks after its address and its data were taken, result.pop 11; what is read
+//              is one clock old, whether there is a result two, counts three, those of results four; irq_o follows a result
 //              by 2 clocks, captures and drops by 3, a lost submit by 4.
 `include "slog_assert.svh"
 module slog_control
@@ -33,7 +33,7 @@ module slog_control
     output logic                           s_axil_rvalid,
     input  logic                           s_axil_rready,
     // front ends
-    output logic                           hold_o,
+    output logic [Cameras-1:0]             hold_o,
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
@@ -91,7 +91,7 @@ module slog_control
   logic overflow, taken, filter_busy, size_error, irq_q;
   logic seen_q;            // there is a result
   logic [2:0] outcome_q;   // its status
-  logic pop_q, pop_q2;     // the front result is dropped: now, in the clock before
+  logic pop_q, pop_q2, pop_q3;  // the front result is dropped: in the next clock, now, in the clock before
   logic [31:0] peek_data;
   logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
@@ -258,14 +258,16 @@ module slog_control
   assign grid_y_o       = hwif_out.job.grid.down.value;
   assign step_x_o       = hwif_out.job.step.x.value;
   assign step_y_o       = hwif_out.job.step.y.value;
-  assign result_ready_o = pop_q;
+  assign result_ready_o = pop_q2;
   always_ff @(posedge clk) begin
     if (rst_i) begin
       pop_q  <= 1'b0;
       pop_q2 <= 1'b0;
+      pop_q3 <= 1'b0;
     end else begin
       pop_q  <= hwif_out.result.pop.go.value;
       pop_q2 <= pop_q;
+      pop_q3 <= pop_q2;
     end
   end
 
@@ -322,7 +324,7 @@ module slog_control
   assign status.irq_status.overflow.next         = events_q[5];
 
   // Counters
-  assign taken = seen_q && pop_q2;
+  assign taken = seen_q && pop_q3;
   assign events = {
       MaxCameras'(dropped_i), MaxCameras'(accepted_i), overflow, taken && outcome_q != StatusOk,
       taken && outcome_q == StatusOk, score_i, work_i, 1'b1

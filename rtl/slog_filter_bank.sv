@@ -5,10 +5,12 @@
 // After reset all coefficients become 0 in the same way, and the size is the largest.
 //
 // Coefficients wait in a small memory. The active ones are a chain over the device, each near its multipliers: they are
-// shifted in, the last one first, the shift itself running from the chain's end to its begin; g2 a clock after g.
+// shifted in, the last one first, the shift itself running from the chain's end to its begin; g2 a clock after g. Memory
+// and chain are far from the registers that order all this: what passes between them has clocks of its own to travel.
 //
-// Latency    : commit to the new size is Settle + 3 clocks with idle cameras, to the last coefficient 3 * Coefs more;
-//              busy_o falls with it, after reset too. A coefficient is staged in 2 clocks.
+// Latency    : commit to the new size is Settle + 3 clocks with idle cameras, to the last coefficient 3 * Coefs + 2 more;
+//              busy_o falls 2 clocks after it, after reset too. hold_o[c] follows busy_o by c + 1 clocks. A coefficient
+//              of g is staged in 4 clocks, of g2 in 5.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
 `include "slog_assert.svh"
 module slog_filter_bank #(
@@ -29,7 +31,7 @@ module slog_filter_bank #(
     input  logic [9:0]                     width_i,
     input  logic [9:0]                     height_i,
     input  logic [Cameras-1:0]             active_i,        // a frame is under way
-    output logic                           hold_o,
+    output logic [Cameras-1:0]             hold_o,
     output logic                           busy_o,
     output logic                           size_error_o,
     output logic                           size_changed_o,  // pulse, in the clock in which the new size is first seen
@@ -38,18 +40,25 @@ module slog_filter_bank #(
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
     output logic [Coefs-1:0][CoefBits-1:0] g2_o
 );
-  // A frame let in just before the hold needs a few clocks to show as active.
-  localparam int unsigned Settle = 9;
+  // The hold is some clocks on its way, and a frame let in just before it needs a few to show as active.
+  localparam int unsigned Settle = 12;
   localparam int unsigned Places = 32;
   localparam int unsigned PulseW = $clog2(2 * Coefs + 1);
   localparam int unsigned PlaceW = $clog2(Coefs);
 
+  typedef struct packed {
+    logic                valid;
+    logic                second;
+    logic [4:0]          index;
+    logic [CoefBits-1:0] value;
+  } coef_t;
+
   // Staging.
   logic [CoefBits-1:0] staged_g_q[Places], staged_g2_q[Places];
   logic [Coefs-1:0] given_g_q, given_g2_q;  // staged since the reset; what was not is 0
-  logic [CoefBits-1:0] coef_q;
-  logic [4:0] index_q;
-  logic stage_g_q, stage_g2_q;
+  coef_t coef_q[4];                         // on its way: [2] is next to g's memory, [3] next to g2's
+  logic stage_g_q, stage_g2_q;              // ... and is for that one
+  logic [Coefs-1:0] found_g_q, found_g2_q;  // ... at this place
   // Loading.
   logic [Coefs-1:0][CoefBits-1:0] g_q, g2_q;
   logic [PlaceW-1:0] place_q;                // of the coefficients that are read
@@ -57,7 +66,9 @@ module slog_filter_bank #(
   logic read_given_g_q, read_given_g2_q;
   logic [CoefBits-1:0] next_g_q, next_g2_q;  // what the first coefficients take
   logic end_g_q, end_g2_q;                   // ... now, for the last time
+  logic ended_q, ended_q2;                   // end_g2_q on its way back
   logic [PulseW-1:0] pulse_q;  // an even number: a shift of g begins; an odd one: of g2
+  logic begin_g_q, begin_g_q2, begin_g2_q, begin_g2_q2;  // ... and is on its way
   logic [Coefs-1:0] shift_g_q, shift_g2_q;  // [k]: coefficient k takes the one before it; a shift in every other clock
   logic loading_q, clear_q;    // clear_q: after reset, with zeros
   logic loading;
@@ -70,33 +81,38 @@ module slog_filter_bank #(
   logic [1:0] within_q;      // the staged width, height may be taken
   logic [1:0] differs_q;     // its width, its height is another than the active one
   logic apply, size_new;
+  logic [Cameras-1:0] hold_q;  // [c]: near camera c, the way leading past the ones before
 
   assign size_new = apply_q && within_q == '1 && differs_q != '0;
   assign calm     = pending_q && !active_q && !apply_q && !loading_q;
   assign apply    = calm && quiet_q[Settle-1];
-  assign loading  = apply_q || (loading_q && !end_g2_q);
+  assign loading  = apply_q || (loading_q && !ended_q2);
 
   always_ff @(posedge clk_i) begin
-    coef_q  <= coef_value_i;
-    index_q <= coef_index_i;
+    coef_q[0] <= '{valid: coef_valid_i, second: coef_second_i, index: coef_index_i, value: coef_value_i};
+    for (int unsigned n = 1; n < 4; n++) coef_q[n] <= coef_q[n-1];
+    stage_g_q  <= coef_q[1].valid && !coef_q[1].second;
+    stage_g2_q <= coef_q[2].valid && coef_q[2].second;
+    for (int unsigned k = 0; k < Coefs; k++) begin
+      found_g_q[k]  <= coef_q[1].valid && !coef_q[1].second && coef_q[1].index == 5'(k);
+      found_g2_q[k] <= coef_q[2].valid && coef_q[2].second && coef_q[2].index == 5'(k);
+    end
+    given_g_q  <= given_g_q | found_g_q;
+    given_g2_q <= given_g2_q | found_g2_q;
     if (rst_i) begin
+      for (int unsigned n = 0; n < 4; n++) coef_q[n].valid <= 1'b0;
       stage_g_q  <= 1'b0;
       stage_g2_q <= 1'b0;
+      found_g_q  <= '0;
+      found_g2_q <= '0;
       given_g_q  <= '0;
       given_g2_q <= '0;
-    end else begin
-      stage_g_q  <= coef_valid_i && !coef_second_i;
-      stage_g2_q <= coef_valid_i && coef_second_i;
-      for (int unsigned k = 0; k < Coefs; k++) begin
-        if (stage_g_q && index_q == 5'(k)) given_g_q[k] <= 1'b1;
-        if (stage_g2_q && index_q == 5'(k)) given_g2_q[k] <= 1'b1;
-      end
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (stage_g_q) staged_g_q[index_q] <= coef_q;
-    if (stage_g2_q) staged_g2_q[index_q] <= coef_q;
+    if (stage_g_q) staged_g_q[coef_q[2].index] <= coef_q[2].value;
+    if (stage_g2_q) staged_g2_q[coef_q[3].index] <= coef_q[3].value;
     read_g_q        <= staged_g_q[5'(place_q)];
     read_g2_q       <= staged_g2_q[5'(place_q)];
     read_given_g_q  <= given_g_q[place_q] && !clear_q;
@@ -114,23 +130,35 @@ module slog_filter_bank #(
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      pulse_q    <= PulseW'(2 * Coefs);
-      shift_g_q  <= '0;
-      shift_g2_q <= '0;
-      place_q    <= PlaceW'(Coefs - 1);
-      end_g_q    <= 1'b0;
-      end_g2_q   <= 1'b0;
-      loading_q  <= 1'b1;
-      clear_q    <= 1'b1;
+      pulse_q     <= PulseW'(2 * Coefs);
+      begin_g_q   <= 1'b0;
+      begin_g_q2  <= 1'b0;
+      begin_g2_q  <= 1'b0;
+      begin_g2_q2 <= 1'b0;
+      shift_g_q   <= '0;
+      shift_g2_q  <= '0;
+      place_q     <= PlaceW'(Coefs - 1);
+      end_g_q     <= 1'b0;
+      end_g2_q    <= 1'b0;
+      ended_q     <= 1'b0;
+      ended_q2    <= 1'b0;
+      loading_q   <= 1'b1;
+      clear_q     <= 1'b1;
     end else begin
       if (apply_q) pulse_q <= PulseW'(2 * Coefs);
       else if (pulse_q != '0) pulse_q <= pulse_q - 1'b1;
-      shift_g_q  <= {pulse_q != '0 && !pulse_q[0], shift_g_q[Coefs-1:1]};
-      shift_g2_q <= {pulse_q[0], shift_g2_q[Coefs-1:1]};
+      begin_g_q   <= pulse_q != '0 && !pulse_q[0];
+      begin_g_q2  <= begin_g_q;
+      begin_g2_q  <= pulse_q[0];
+      begin_g2_q2 <= begin_g2_q;
+      shift_g_q   <= {begin_g_q2, shift_g_q[Coefs-1:1]};
+      shift_g2_q  <= {begin_g2_q2, shift_g2_q[Coefs-1:1]};
       if (shift_g_q[1]) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
       loading_q <= loading;
       end_g_q   <= shift_g_q[1] && place_q == '0;
       end_g2_q  <= end_g_q;
+      ended_q   <= end_g2_q;
+      ended_q2  <= ended_q;
       if (end_g_q) clear_q <= 1'b0;
     end
   end
@@ -152,6 +180,7 @@ module slog_filter_bank #(
       height_q       <= 10'(MaxHeight);
       pending_q      <= 1'b0;
       busy_q         <= 1'b1;
+      hold_q         <= '1;
       apply_q        <= 1'b0;
       size_error_q   <= 1'b0;
       size_changed_q <= 1'b0;
@@ -161,6 +190,7 @@ module slog_filter_bank #(
       apply_q        <= apply;
       pending_q      <= commit_i || (pending_q && !apply);
       busy_q         <= commit_i || pending_q || loading;
+      for (int unsigned c = 0; c < Cameras; c++) hold_q[c] <= (c == 0) ? busy_q : hold_q[(c==0)?0 : c-1];
       size_changed_q <= size_new;
       if (apply_q) size_error_q <= within_q != '1;
       if (size_new) begin
@@ -170,7 +200,7 @@ module slog_filter_bank #(
     end
   end
 
-  assign hold_o         = busy_q;
+  assign hold_o         = hold_q;
   assign busy_o         = busy_q;
   assign size_error_o   = size_error_q;
   assign size_changed_o = size_changed_q;
@@ -182,5 +212,6 @@ module slog_filter_bank #(
   `SLOG_ASSERT_INIT(SlogFilterBankPlaces, Coefs > 1 && Coefs <= Places)
   `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i, 3) == '0 && busy_o)
   `SLOG_ASSERT(SlogFilterBankBusy, busy_o == (pending_q || apply_q || loading_q))
-  `SLOG_ASSERT(SlogFilterBankLoaded, loading_q || (shift_g_q == '0 && shift_g2_q == '0 && pulse_q == '0))
+  `SLOG_ASSERT(SlogFilterBankLoaded, loading_q || (shift_g_q == '0 && shift_g2_q == '0 && pulse_q == '0 && !begin_g_q
+                                                    && !begin_g_q2 && !begin_g2_q && !begin_g2_q2))
 endmodule : slog_filter_bank

@@ -1,7 +1,8 @@
 // Lays a grid of jobs from one: job (i, j) is the given one moved by (i * step_x, j * step_y), tag counted up.
 //
 // Template and search move together. Jobs leave in raster order, i fastest.
-// Latency    : the first job is offered one clock after the command is taken.
+// Latency    : the first job leaves one clock after the command is taken, each when there is room. job_valid_o comes only
+//              where job_ready_i was high in the clock before, which stays high until a job has come.
 // Throughput : one job every other clock; one clock between commands.
 // Formats    : a count of 0 is taken as 1. Tags wrap; positions stop at 1023, which is outside every image, so that a grid
 //              that runs off is refused rather than wrapped.
@@ -22,9 +23,10 @@ module slog_grid
     input  logic       job_ready_i,
     output job_t       job_o
 );
-  // One of ready_q (a command is awaited), valid_q (a job is offered) and the clock between two jobs. laying_q is !ready_q
+  // One of ready_q (a command is awaited), valid_q (a job is there) and the clock between two jobs. laying_q is !ready_q
   // and open_q is !valid_q, registers of their own for all that they drive.
   logic ready_q, valid_q, laying_q, open_q;
+  logic taken_q;  // the job that is there leaves: known a clock before, as who takes it is far
   // The command's job: what does not move, and where its first column lies.
   /* verilator lint_off UNUSEDSIGNAL */
   job_t job_q;
@@ -34,14 +36,13 @@ module slog_grid
   logic [9:0] step_x_q, step_y_q, count_x_q;
   logic [9:0] left_x_q, left_y_q;           // jobs left in this row, rows left, this one included, but for the last
   logic last_x_q, last_y_q;                 // this job is its row's last, this row the last
-  // Those of the next job, made while this one is offered; positions may still be past 1023.
+  // Those of the next job, made while this one is there; positions may still be past 1023.
   logic [10:0] tpl_x_q2, tpl_y_q2, search_x_q2, search_y_q2;
   logic [9:0] left_x_q2, left_y_q2;
   logic last_x_q2, last_y_q2;
 
-  logic taken, done;
-  assign taken = valid_q && job_ready_i;
-  assign done  = taken && last_x_q && last_y_q;
+  logic done;
+  assign done = taken_q && last_x_q && last_y_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -49,11 +50,13 @@ module slog_grid
       laying_q <= 1'b0;
       valid_q  <= 1'b0;
       open_q   <= 1'b1;
+      taken_q  <= 1'b0;
     end else begin
       ready_q  <= done || (ready_q && !job_valid_i);
       laying_q <= !(done || (ready_q && !job_valid_i));
-      valid_q  <= !taken && (!ready_q || job_valid_i);
-      open_q   <= taken || (ready_q && !job_valid_i);
+      valid_q  <= !taken_q && (!ready_q || job_valid_i);
+      open_q   <= taken_q || (ready_q && !job_valid_i);
+      taken_q  <= !taken_q && (!ready_q || job_valid_i) && job_ready_i;
     end
   end
 
@@ -99,8 +102,8 @@ module slog_grid
     job_o.search_y = search_y_q;
   end
   assign job_ready_o = ready_q;
-  assign job_valid_o = valid_q;
+  assign job_valid_o = taken_q;
 
   `SLOG_ASSERT(SlogGridState, open_q == !valid_q && laying_q == !ready_q && !(ready_q && valid_q))
-  `SLOG_ASSERT_STABLE(SlogGridOutStable, job_valid_o, job_ready_i, job_o)
+  `SLOG_ASSERT(SlogGridRoom, taken_q |-> valid_q && job_ready_i)
 endmodule : slog_grid

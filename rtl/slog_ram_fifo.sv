@@ -1,6 +1,7 @@
 // First-in first-out queue in block RAM, with a short register queue behind the RAM's output register.
 //
-// Latency    : a word pushed in clock t is offered in clock t+4 at the earliest (pointer, RAM read, output register, queue).
+// Latency    : a word pushed in clock t is offered in clock t+5 at the earliest (on its way to the RAM, written, RAM read,
+//              output register, queue).
 // Throughput : one push and one pop per clock, also when full (a pop frees its place in the clock after the next).
 // With Kept  : its user promises in_valid_i only with in_ready_o and out_ready_i only with out_valid_o; that is asserted,
 //              and no logic looks after it.
@@ -32,15 +33,18 @@ module slog_ram_fifo #(
   localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
 
   logic [AddrW-1:0] head_q, tail_q, after_tail_q;
-  logic [AddrW-1:0] newest_q;    // place before tail_q
+  logic [AddrW-1:0] wr_addr_q;   // tail_q on its way to the RAM, with the word
+  logic [AddrW-1:0] newest_q;    // place before wr_addr_q
+  logic [Width-1:0] wr_data_q;
   logic [AddrW-1:0] front_q;     // place of the next word to leave
   logic [LevelW-1:0] level_q;    // words inside
   logic [OutDepth:0] free_q;     // places of the output queue not spoken for, one-hot; a read counts a clock late
   logic full_q, open_q;          // level_q == Depth; !full_q: apart from it, for the level
   logic room_q;                  // two places free, one of which may have gone in the clock before
   logic read_q, read_q2;         // a word is on its way
+  logic push_q;                  // a word is written
   // Words in the RAM not asked for yet: one that has just come, or what the pointers of the clock before say.
-  logic some, push_q, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
+  logic some, push_q2, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
   logic pop_q;                   // a word left: its place and the level follow a clock late, to leave little to pop
   logic push, pop, read, more, less, full;
   logic two;                     // free_q is two or more in the next clock
@@ -50,7 +54,7 @@ module slog_ram_fifo #(
   assign level_o    = level_q;
   assign push       = in_valid_i && (Kept || !full_q);
   assign pop        = out_ready_i && (Kept || out_valid_o);
-  assign some       = push_q || (read_q ? others_q : some_q);
+  assign some       = push_q2 || (read_q ? others_q : some_q);
   assign read       = some && room_q;
   // One place is left: level_q == Depth - 1.
   assign full       = !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
@@ -68,12 +72,14 @@ module slog_ram_fifo #(
       tail_q       <= '0;
       front_q      <= '0;
       after_tail_q <= after('0);
+      wr_addr_q    <= '0;
       level_q      <= '0;
       free_q       <= (OutDepth + 1)'(1) << OutDepth;
       full_q       <= 1'b0;
       open_q       <= 1'b1;
       room_q       <= 1'b1;
       push_q       <= 1'b0;
+      push_q2      <= 1'b0;
       some_q       <= 1'b0;
       others_q     <= 1'b0;
       pop_q        <= 1'b0;
@@ -88,26 +94,30 @@ module slog_ram_fifo #(
       if (pop_q) front_q <= after(front_q);
       if ((in_valid_i && (Kept || open_q)) != pop_q) level_q <= level_q + LevelW'({LevelW{pop_q}} | 1'b1);
       // Not as an enable, which would be a level of logic more.
-      free_q  <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
+      free_q    <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
                | ({OutDepth + 1{!(more || less)}} & free_q);
-      full_q   <= full;
-      open_q   <= !full;
-      room_q   <= two;
-      push_q   <= push;
-      some_q   <= head_q != tail_q;
-      others_q <= newest_q != head_q;
-      pop_q    <= pop;
-      read_q   <= read;
-      read_q2  <= read_q;
+      full_q    <= full;
+      open_q    <= !full;
+      room_q    <= two;
+      push_q    <= push;
+      push_q2   <= push_q;
+      wr_addr_q <= tail_q;
+      some_q    <= head_q != wr_addr_q;
+      others_q  <= newest_q != head_q;
+      pop_q     <= pop;
+      read_q    <= read;
+      read_q2   <= read_q;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    if (push) newest_q <= tail_q;
+    // RAM blocks lie far apart: nothing but registers leads to them.
+    wr_data_q <= in_data_i;
+    if (push_q) newest_q <= wr_addr_q;
   end
 
   slog_ram #(.Width(Width), .Depth(Depth)) u_ram (
-      .clk_i, .wr_en_i(push), .wr_addr_i(tail_q), .wr_data_i(in_data_i),
+      .clk_i, .wr_en_i(push_q), .wr_addr_i(wr_addr_q), .wr_data_i(wr_data_q),
       .rd_en_i(read), .rd_addr_i(head_q), .rd_data_o(ram_data));
 
   logic out_room;
@@ -123,6 +133,6 @@ module slog_ram_fifo #(
   assign taken = out_level + OutLevelW'(read_q) + OutLevelW'(read_q2) + OutLevelW'(pop_q);
   `SLOG_ASSERT(SlogRamFifoPlaces, free_q == (OutDepth + 1)'(1) << (OutDepth - 32'(taken) + 32'(read_q)))
   `SLOG_ASSERT(SlogRamFifoFlags, full_q == (level_q == LevelW'(Depth)) && open_q == !full_q
-                                 && some == (32'(level_q) != 32'(taken))
+                                 && some == (32'(level_q) != 32'(taken) + 32'(push_q))
                                  && room_q == (free_q[1:0] == '0))
 endmodule : slog_ram_fifo

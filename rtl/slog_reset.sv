@@ -1,6 +1,6 @@
-// The board's reset on its way from a pin to all registers: two registers, then a net that reaches over the whole board.
+// The board's reset on its way from a pin to all registers: three registers, then a net that reaches over the whole board.
 //
-// Latency    : 2 clocks. At power-up there is a reset.
+// Latency    : 3 clocks. At power-up there is a reset.
 module slog_reset (
     input  logic clk_i,
     input  logic rst_i,
@@ -8,10 +8,12 @@ module slog_reset (
 );
   logic rst_q = 1'b1;
   logic rst_q2 = 1'b1;
+  logic rst_q3 = 1'b1;
 
   always_ff @(posedge clk_i) begin
     rst_q  <= rst_i;
     rst_q2 <= rst_q;
+    rst_q3 <= rst_q2;
   end
-  assign rst_o = rst_q2;
+  assign rst_o = rst_q3;
 endmodule : slog_reset

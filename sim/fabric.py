@@ -2,7 +2,8 @@
 
 The networks of an ECP5 lead to registers' clock, reset and enable pins. nextpnr leads one to a look-up table too, on
 fabric wires that it then keeps from all others, which may leave another net without a way. So whatever else reads a
-network here reads a register like the one that drives it: each block has its own, as they lie far apart.
+network here reads a register like the one that drives it, behind one like the register before: each block has its own
+two, as they lie far apart.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ REACHED = {"TRELLIS_FF": ("CLK", "LSR", "CE"), "DP16KD": ("CLKA", "CLKB"), "MULT
 
 
 def move(module: Mapping[str, Any]) -> int:
-    """Let loads that no network reaches read a copy of the register that drives theirs.
+    """Let loads that no network reaches read copies of the register that drives theirs and of the one before it.
 
     Args:
         module: a flat netlist, as Yosys writes it; its cells' connections are changed, copies of registers added.
@@ -52,13 +53,18 @@ def move(module: Mapping[str, Any]) -> int:
                 if drivers[bit] not in registers:
                     raise ValueError(f"{name}.{pin} reads a global network that no register drives")
                 if (bit, block) not in copies:
-                    free += 1
-                    copies[bit, block] = free
                     copy = deepcopy(registers[drivers[bit]])
-                    copy["connections"]["Q"] = [free]
-                    called = f"{block}.fabric{len(new)}"
-                    new[called] = copy
-                    module["netnames"][called] = {"hide_name": 0, "bits": [free], "attributes": {}}
+                    chain = [copy]
+                    if copy["connections"]["DI"][0] in registers:
+                        chain.insert(0, deepcopy(registers[copy["connections"]["DI"][0]]))
+                        copy["connections"]["DI"] = [free + 1]
+                    for each in chain:
+                        free += 1
+                        each["connections"]["Q"] = [free]
+                        called = f"{block}.fabric{len(new)}"
+                        new[called] = each
+                        module["netnames"][called] = {"hide_name": 0, "bits": [free], "attributes": {}}
+                    copies[bit, block] = free
                 bits[place] = copies[bit, block]
                 moved += 1
     cells.update(new)

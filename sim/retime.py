@@ -2,8 +2,9 @@
 
 A request's strobe is decoded in two clocks and on its way to its register in the next; with it goes what is written.
 Reads are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
-(address, direction, data, enables) must stay for three clocks after it, as `slog_axil` keeps it; a write is
-acknowledged three clocks after its request, a read six, with what the registers held three clocks after it.
+(address, direction, data, enables) must stay for three clocks after it, as `slog_axil` keeps it; data and enables are
+wanted in the second of them, not before. A write is acknowledged three clocks after its request, a read six,
+with what the registers held three clocks after it.
 """
 
 from __future__ import annotations

@@ -39,6 +39,20 @@ def test_only_pins_of_registers_stay_on_a_network(tmp_path: Path) -> None:
     assert after["a.d.data"]["connections"]["DI"] == outputs[1:]
 
 
+def test_a_copy_has_a_register_of_its_own_before_it(tmp_path: Path) -> None:
+    cells = {"before": _cell("TRELLIS_FF", "Q", CLK=2, DI=10, Q=3),
+             "source": _cell("TRELLIS_FF", "Q", CLK=2, DI=3, Q=4),
+             "net": _cell("DCCA", "CLKO", CLKI=4, CE="1", CLKO=5),
+             "a.b.lut": _cell("LUT4", "Z", A=5, B=7, C="0", Z=6),
+             "a.d.data": _cell("TRELLIS_FF", "Q", CLK=2, LSR="0", DI=5, Q=8)}
+    moved, after = _moved(tmp_path / "netlist.json", cells)
+    assert moved == 2
+    for load, hop, copy in (("a.b.lut", "a.b.fabric0", "a.b.fabric1"), ("a.d.data", "a.d.fabric2", "a.d.fabric3")):
+        assert after[hop]["connections"]["DI"] == [10]
+        assert after[copy]["connections"]["DI"] == after[hop]["connections"]["Q"]
+        assert after[copy]["connections"]["Q"] in after[load]["connections"].values()
+
+
 def test_a_network_without_a_register_is_refused(tmp_path: Path) -> None:
     cells = {"net": _cell("DCCA", "CLKO", CLKI=4, CE="1", CLKO=5), "a.lut": _cell("LUT4", "Z", A=5, Z=6)}
     with pytest.raises(ValueError, match="no register"):

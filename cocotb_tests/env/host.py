@@ -20,7 +20,7 @@ from golden.params import Config
 from sim.registers import address, fields, word
 
 Script = Generator[None, None, None]
-RESET_DELAY = 2
+RESET_DELAY = 3
 """Clocks that a reset takes to reach the board's blocks."""
 LIMIT = 30_000
 """Clocks a wait may take."""

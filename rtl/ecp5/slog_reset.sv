@@ -8,11 +8,13 @@ module slog_reset (
 );
   logic rst_q = 1'b1;
   logic rst_q2 = 1'b1;
+  logic rst_q3 = 1'b1;
 
   always_ff @(posedge clk_i) begin
     rst_q  <= rst_i;
     rst_q2 <= rst_q;
+    rst_q3 <= rst_q2;
   end
 
-  DCCA u_global (.CLKI(rst_q2), .CE(1'b1), .CLKO(rst_o));
+  DCCA u_global (.CLKI(rst_q3), .CE(1'b1), .CLKO(rst_o));
 endmodule : slog_reset
