@@ -111,7 +111,7 @@ module slog_operands #(
   logic [StepW:0] tpl_addr_q, tpl_addr_q2, tpl_addr_q3, tpl_addr_q4;
 
   always_ff @(posedge clk_i) begin
-    control_q  <= '{valid: step_q2.valid && !rst_i, first: step_q2.first, last: step_q2.last, row_b: step_q2.row_b,
+    control_q  <= '{valid: step_q2.valid, first: step_q2.first, last: step_q2.last, row_b: step_q2.row_b,
                     lanes: step_q2.lanes[LaneW-1:0]};
     control_q2 <= control_q;
     control_q3 <= control_q2;
@@ -124,6 +124,7 @@ module slog_operands #(
     if (rst_i) begin
       blank_a_q        <= '1;
       blank_b_q        <= '1;
+      control_q.valid  <= 1'b0;
       control_q2.valid <= 1'b0;
       control_q3.valid <= 1'b0;
       control_q4.valid <= 1'b0;
@@ -175,8 +176,13 @@ module slog_operands #(
   );
   logic tpl_blank_a_q, tpl_blank_b_q;
   always_ff @(posedge clk_i) begin
-    tpl_blank_a_q <= blank_a_q[4] || rst_i;
-    tpl_blank_b_q <= blank_b_q[4] || rst_i;
+    tpl_blank_a_q <= blank_a_q[4];
+    tpl_blank_b_q <= blank_b_q[4];
+    // As a reset of theirs: it comes on a network of its own.
+    if (rst_i) begin
+      tpl_blank_a_q <= 1'b1;
+      tpl_blank_b_q <= 1'b1;
+    end
     tpl_a_o       <= tpl_blank_a_q ? '0 : tpl_a;
     tpl_b_o       <= tpl_blank_b_q ? '0 : tpl_b;
   end

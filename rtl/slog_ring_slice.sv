@@ -44,8 +44,12 @@ module slog_ring_slice #(
     chunk_q2 <= chunk_q;
     chunk_q3 <= chunk_q2[1:0];
     chunk_q4 <= chunk_q3[0];
-    blank_a_q <= blank_a_i || rst_i;
-    blank_b_q <= blank_b_i || rst_i;
+    blank_a_q <= blank_a_i;
+    blank_b_q <= blank_b_i;
+    if (rst_i) begin
+      blank_a_q <= 1'b1;
+      blank_b_q <= 1'b1;
+    end
 
     for (int unsigned m = 0; m < 4; m++) begin
       a_q2[m] <= word_i[{odd_a_q, 2'(m)}];
