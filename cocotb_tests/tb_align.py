@@ -57,7 +57,7 @@ async def every_clock(dut, idle: float) -> None:
     await check_cycles(dut, AlignModel(width), rows(rng, width, idle, expected), note)
     assert len(seen) == len(expected) > ROWS
     assert [s & (1 << left) - 1 for s, (_, left) in zip(seen, expected, strict=True)] == [w for w, _ in expected]
-    latency = 1 + ((width - 1).bit_length() + 1) // 2
+    latency = 2 + ((width - 1).bit_length() + 1) // 2
     assert {b - a for a, b in zip(started, ended, strict=True)} == {latency}
 
 

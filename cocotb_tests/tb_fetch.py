@@ -128,7 +128,7 @@ async def latency(dut) -> None:
         clock += 1
 
     await check_cycles(dut, FetchModel(TINY), script(), note)
-    align = 1 + 3  # with the register before it
+    align = 1 + 4  # with the register before it
     read = 18
     # Template: two rows of two words, one aligned word each; search: three rows of 9 bits across two words.
     assert at == {"ticket_valid_o": 14, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,

@@ -5,7 +5,7 @@ All counts are clocks from the clock in which `slog_operands`' step is valid; `g
 
 from __future__ import annotations
 
-OPERAND_LATENCY = 8
+OPERAND_LATENCY = 9
 """Step to the operand outputs."""
 WRITE_LATENCY = 1
 """Write of a word to the first step that may read it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class AlignModel:
-    """Pairs each store word with the input of the next clock and shifts it down; registers move only with a word."""
+    """Pairs each store word with the input of the next clock and shifts it down; a side without a word is undefined."""
 
     INPUTS = ("rst_i", "in_valid_i", "in_emit_i", "in_data_i", "in_shift_i", "in_side_i")
     OUTPUTS = ("out_valid_o", "out_data_o", "out_side_o")
@@ -12,26 +12,27 @@ class AlignModel:
     def __init__(self, width: int) -> None:
         self.width = width
         stages = width.bit_length() // 2
-        self.latency = 1 + stages
+        self.latency = 2 + stages
         self.valid = [0] * self.latency
         self.first: tuple[int, int] | None = None
         self.data: list[int | None] = [None] * stages
+        self.out: int | None = None
         self.side: list[int | None] = [None] * self.latency
 
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        out = {"out_valid_o": self.valid[-1], "out_data_o": self.data[-1], "out_side_o": self.side[-1]}
-        for s in range(self.latency - 1, 0, -1):
-            if self.valid[s - 1]:
-                self.side[s] = self.side[s - 1]
-                if s >= 2:
-                    self.data[s - 1] = self.data[s - 2]
+        out = {"out_valid_o": self.valid[-1], "out_data_o": self.out, "out_side_o": self.side[-1]}
+        self.out = self.data[-1]
+        for s in range(len(self.data) - 1, -1, -1):
+            if self.valid[s]:
+                if s >= 1:
+                    self.data[s] = self.data[s - 1]
                 elif self.first is not None:
                     word, shift = self.first
                     self.data[0] = (i["in_data_i"] << self.width | word) >> shift & (1 << self.width) - 1
         begins = i["in_valid_i"] & i["in_emit_i"]
         if begins:
             self.first = i["in_data_i"], i["in_shift_i"]
-            self.side[0] = i["in_side_i"]
+        self.side = [i["in_side_i"] if begins else None, *self.side[:-1]]
         self.valid = [0] * self.latency if i["rst_i"] else [begins, *self.valid[:-1]]
         return out

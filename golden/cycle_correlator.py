@@ -5,7 +5,7 @@ from __future__ import annotations
 from golden.array_timing import drain_clocks
 from golden.cycle_fetch import FetchModel
 from golden.cycle_operand_array import OperandArrayModel
-from golden.cycle_peak import CONTEXT_DEPTH, PeakModel
+from golden.cycle_peak import PeakModel
 from golden.cycle_sequencer import SequencerModel
 from golden.params import Config
 from golden.structs import STEP
@@ -35,7 +35,7 @@ class CorrelatorModel:
     def step(self, i: dict[str, int]) -> dict[str, int | None]:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         rst = i["rst_i"]
-        ctx_ready, row_ready = int(len(self.peak.contexts) < CONTEXT_DEPTH), self.peak.room.ready
+        ctx_ready, row_ready = int(self.peak.near_context.word is None), self.peak.room.ready
         walker = self.sequencer.walker
         fetch = self.fetch.step({
             **{k: i[k] for k in self.INPUTS if k in FetchModel.INPUTS},

@@ -14,7 +14,7 @@ CHECK_LATENCY = 9
 
 def plan_latency(config: Config) -> int:
     """Clocks from start to right outputs of `slog_job_plan`."""
-    return config.words_per_row.bit_length() + 4
+    return config.words_per_row.bit_length() + 5
 
 
 class JobCheckModel:

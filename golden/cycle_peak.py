@@ -25,8 +25,8 @@ from golden.structs import RESULT
 
 BANKS = 4
 CONTEXT_DEPTH = 8
-SURFACE_DEPTH = 8
-SURFACE_ROOM = 5
+SURFACE_DEPTH = 16
+SURFACE_ROOM = 6
 
 
 def known(value: int | None) -> int:
@@ -62,9 +62,10 @@ class PeakModel:
 
     def clear(self) -> None:
         """Empty the queues between the parts."""
-        self.contexts, self.context = deque[int](), StageModel(half=True)
+        self.near_context, self.contexts, self.context = StageModel(half=True), deque[int](), StageModel(half=True)
         self.surface: deque[tuple[int, int, int]] = deque()
-        self.surface_ok = 0
+        self.surface_ok = [0, 0]  # of this clock, of the next
+        self.popped_score = 0  # in the clock before
         self.begun, self.begun_row = deque[int](), StageModel(half=True)
         self.tops: deque[tuple[int, int]] = deque()
         self.outcomes = deque[int]()
@@ -80,7 +81,7 @@ class PeakModel:
         offered = self.front.word is not None
         popped = int(offered and i["res_ready_i"])
         out: dict[str, int | None] = {
-            "ctx_ready_o": int(len(self.contexts) < CONTEXT_DEPTH), "surf_tvalid_o": int(surf is not None),
+            "ctx_ready_o": int(self.near_context.word is None), "surf_tvalid_o": int(surf is not None),
             "surf_tlast_o": surf[0] if surf else None, "surf_tuser_o": surf[1] if surf else None,
             "surf_tdata_o": surf[2] if surf else None, "res_valid_o": int(offered),
             "res_o": self.front.word, "res_level_o": self.waiting}
@@ -165,14 +166,18 @@ class PeakModel:
             "rst_i": rst, "row_coming_i": known(rows["row_coming_o"]), "row_refused_i": int(fields["status"] != 0),
             "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],
             "scoring_i": known(rows["scoring_o"]), "released_i": released, "mismatch_valid_i": int(queued is not None),
-            "mismatch_i": known(queued), "surf_ok_i": self.surface_ok})
-        self.surface_ok = int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)
+            "mismatch_i": known(queued), "surf_ok_i": self.surface_ok[0]})
+        self.surface_ok = [self.surface_ok[1], int(len(self.surface) <= SURFACE_DEPTH - SURFACE_ROOM)]
+        room = len(self.contexts) < CONTEXT_DEPTH
         fetch(rst, self.context, self.contexts, rows["ctx_ready_o"])
-        if i["ctx_valid_i"] and out["ctx_ready_o"]:
-            self.contexts.append(i["ctx_i"])
+        near = self.near_context.step({"rst_i": rst, "in_valid_i": i["ctx_valid_i"], "in_data_i": i["ctx_i"],
+                                       "out_ready_i": int(room)})
+        if near["out_valid_o"] and room:
+            self.contexts.append(known(near["out_data_o"]))
         popped = int(queued is not None and bool(intake["mismatch_ready_o"]))
         out.update(self.room.step({"rst_i": rst, "row_valid_i": i["row_valid_i"], "row_offsets_i": i["row_offsets_i"],
-                                   "taken_i": popped}))
+                                   "taken_i": self.popped_score}))
+        self.popped_score = popped
         valid, mismatch = self.arrived
         self.arrived = i["mismatch_valid_i"], i["mismatch_i"]
         self.queue.step({"rst_i": rst, "in_valid_i": valid, "in_data_i": mismatch,

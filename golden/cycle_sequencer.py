@@ -42,6 +42,7 @@ class WalkerModel:
     def _reset(self) -> None:
         self.left: deque[dict[str, int] | None] = deque()
         self.row: dict[str, int] = {}
+        self.coming: dict[str, int] | None = None  # the step of the next clock
         self.valid = self.freed = self.bank_free = 0
         self.freeing: tuple[int, int] | None = None  # rows_freed_o and bank_free_o of the next clock
         self.drain, self.drained = self.drain_clocks, False
@@ -52,9 +53,10 @@ class WalkerModel:
         out: dict[str, int | None] = {
             "row_ready_o": int(ready), "step_valid_o": self.valid, "step_o": self.last if self.valid else None,
             "rows_freed_o": self.freed, "bank_free_o": self.bank_free,
-            "busy_o": int(bool(self.left) or bool(self.valid)), "drained_o": int(self.drained)}
+            "busy_o": int(bool(self.left) or self.coming is not None or bool(self.valid)),
+            "drained_o": int(self.drained)}
         active = bool(self.left)
-        step = self.left.popleft() if self.left else None
+        step, self.coming = self.coming, self.left.popleft() if self.left else None
         self.valid = int(step is not None)
         ended = active and not self.left
         self.bank_free = 0
@@ -62,7 +64,7 @@ class WalkerModel:
             self.freed, self.bank_free = self.freeing
         self.freeing = (self.row["free_to"], self.row["final_row"]) if ended else None
         taken = bool(ready and i["row_valid_i"])
-        self.drained = not active and not taken and self.drain == 0
+        self.drained = not active and not taken and step is None and self.drain == 0
         self.drain = self.drain_clocks if step is not None else max(self.drain - 1, 0)
         if step is not None:
             self.last = STEP.pack({**step, "valid": 0})
@@ -87,6 +89,7 @@ class SequencerModel:
         self.walker = WalkerModel(pitch, ring_rows, drain_clocks)
         self.word: int | None = None
         self.mask: list[int | None] = [None, None]  # group A's half, group B's
+        self.mask_made: list[int | None] = [None, None]  # of the next clock
         self._reset()
 
     def _reset(self) -> None:
@@ -118,9 +121,10 @@ class SequencerModel:
             "step_o": walked["step_o"], "mask_o": mask,
             "busy_o": int(not idle or token_pending or bool(walked["busy_o"]))}
 
+        self.mask = [*self.mask_made]
         for half, load in enumerate(self.load):
             if load is not None:
-                self.mask[half] = load >> half * self.group_bits & (1 << self.group_bits) - 1
+                self.mask_made[half] = load >> half * self.group_bits & (1 << self.group_bits) - 1
         self.load = [None, self.load[0]]
         if walked["row_ready_o"]:
             self.token = None

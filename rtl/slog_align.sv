@@ -6,7 +6,8 @@
 //   0      store word k, shift, side
 //   1      Width + Width/4 - 1 bits of the pair, after the two high bits of the shift
 //   2..    two more bits of the shift each
-// Latency    : 1 + ceil(log2(Width) / 2) clocks from in_valid_i to out_valid_o; words without in_emit_i give none.
+//   last   the word on its way
+// Latency    : 2 + ceil(log2(Width) / 2) clocks from in_valid_i to out_valid_o; words without in_emit_i give none.
 // Throughput : one word per clock.
 // Rule       : the words of a row come in consecutive clocks; the word after a row's last one is whatever
 //              in_data_i holds then, so bits past the row's last store word mean nothing.
@@ -16,7 +17,7 @@ module slog_align #(
     parameter  int unsigned SideW   = 8,
     localparam int unsigned ShiftW  = $clog2(Width),
     localparam int unsigned Stages  = (ShiftW + 1) / 2,
-    localparam int unsigned Latency = 1 + Stages
+    localparam int unsigned Latency = 2 + Stages
 ) (
     input  logic              clk_i,
     input  logic              rst_i,
@@ -36,6 +37,7 @@ module slog_align #(
   logic [2*Width-1:0] stage_q[Stages];
   logic [PadW-1:0] shift_q[Stages];
   logic [SideW-1:0] side_q[Latency];
+  logic [Width-1:0] out_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
@@ -46,8 +48,10 @@ module slog_align #(
     low_q      <= in_data_i;
     shift_q[0] <= PadW'(in_shift_i);
     side_q[0]  <= in_side_i;
-    for (int unsigned s = 1; s < Latency; s++) if (valid_q[s-1]) side_q[s] <= side_q[s-1];
-    for (int unsigned s = 1; s < Stages; s++) if (valid_q[s-1]) shift_q[s] <= shift_q[s-1];
+    // Not enabled, as the words are: they may lie anywhere.
+    for (int unsigned s = 1; s < Latency; s++) side_q[s] <= side_q[s-1];
+    for (int unsigned s = 1; s < Stages; s++) shift_q[s] <= shift_q[s-1];
+    out_q <= stage_q[Stages-1][Width-1:0];
   end
 
   for (genvar s = 0; s < Stages; s++) begin : g_stage
@@ -79,7 +83,7 @@ module slog_align #(
   end
 
   assign out_valid_o = valid_q[Latency-1];
-  assign out_data_o  = stage_q[Stages-1][Width-1:0];
+  assign out_data_o  = out_q;
   assign out_side_o  = side_q[Latency-1];
 
   `SLOG_ASSERT_INIT(SlogAlignPowerOfTwo, Width == 2 ** ShiftW && ShiftW >= 2)

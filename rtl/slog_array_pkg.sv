@@ -3,7 +3,7 @@
 // All counts are clocks from the clock in which slog_operands' step_i.valid is high.
 package slog_array_pkg;
   // step_i to the operand outputs.
-  localparam int unsigned OperandLatency = 8;
+  localparam int unsigned OperandLatency = 9;
   // wr_valid_i of a word to the first step_i that may read it.
   localparam int unsigned WriteLatency = 1;
   // step_i to the first wr_valid_i that may overwrite a word the step reads.

@@ -33,7 +33,7 @@ module slog_emit #(
 
   // Lanes to come after the one marked now, which counts on when there are none, and whether there are some. The copies for
   // the lanes further on follow one clock after another: the mark takes longer to get there.
-  localparam int unsigned Reach  = 8;  // lanes a copy serves
+  localparam int unsigned Reach  = 4;  // lanes a copy serves
   localparam int unsigned Copies = (Lanes + Reach - 1) / Reach;
   logic [Copies-1:0][LaneW-1:0] left_q;
   logic [Copies-1:0] more_q;

@@ -10,7 +10,7 @@
 //   0      rd_valid_o, rd_addr_o
 //   S      rd_data_i (S = slog_store_pkg::StoreLatency)
 //   +1     data_q
-//   +A     wr_*_o, aligned (A = latency of slog_align: 4 at 64 bits)
+//   +A     wr_*_o, aligned (A = latency of slog_align: 5 at 64 bits)
 //   +1     rows_written_o, tpl_done_o
 // Latency    : job to ticket 14 clocks when a template bank is free, first read 4 clocks after.
 // Throughput : one store read a clock, without gaps in a row or between rows; a job takes 20 clocks plus its reads.
@@ -82,11 +82,7 @@ module slog_fetch
   // Check and plan.
   logic checked;
   logic [7:0] slot_valid_q;
-  logic start_q2;  // the plan has a start of its own, and time for it
-  always_ff @(posedge clk_i) begin
-    slot_valid_q <= slot_valid_i;
-    start_q2     <= start_q && !rst_i;
-  end
+  always_ff @(posedge clk_i) slot_valid_q <= slot_valid_i;
   status_e status;
   logic [ScoreW-1:0] area;
   // The address is as wide as the largest store's.
@@ -116,7 +112,7 @@ module slog_fetch
   ) u_plan (
       .clk_i,
       .rst_i,
-      .start_i (start_q2),
+      .start_i (start_q),
       .job_i   (job_q),
       .tpl_o   (tpl_plan),
       .search_o(search_plan)

@@ -5,7 +5,7 @@
 //   template: bits = width, rows = height; search: bits = width + offsets_x - 1, rows = height + offsets_y - 1
 //   words_in, words_out and rows are less one (load_t). The product is made by shift and add.
 //
-// Latency    : tpl_o and search_o are right from WordsBits + 4 clocks after start_i, while job_i stays.
+// Latency    : tpl_o and search_o are right from WordsBits + 5 clocks after start_i, while job_i stays.
 // Throughput : one job at a time. The plan of a job that is refused means nothing.
 `include "slog_assert.svh"
 module slog_job_plan
@@ -16,24 +16,33 @@ module slog_job_plan
     parameter  int unsigned WordsPerRow = 10,
     localparam int unsigned ShiftW      = $clog2(Width),
     localparam int unsigned WordsBits   = $clog2(WordsPerRow + 1),
-    localparam int unsigned Latency     = WordsBits + 4
+    localparam int unsigned Steps       = WordsBits + 4
 ) (
     input  logic  clk_i,
     input  logic  rst_i,
     input  logic  start_i,
-    // The tag does not matter here.
-    /* verilator lint_off UNUSEDSIGNAL */
     input  job_t  job_i,
-    /* verilator lint_on UNUSEDSIGNAL */
     output load_t tpl_o,
     output load_t search_o
 );
   localparam int unsigned LineW = $clog2(8 * MaxHeight + 1024);
 
-  logic [Latency-1:0] at_q;  // clocks since start_i, one-hot; [0] is the clock after it
+  // The job lies far.
+  logic start_q;
+  // The tag does not matter here.
+  /* verilator lint_off UNUSEDSIGNAL */
+  job_t job_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [Steps-1:0] at_q;  // clocks since start_q, one-hot; [0] is the clock after it
   always_ff @(posedge clk_i) begin
-    if (rst_i) at_q <= '0;
-    else at_q <= {at_q[Latency-2:0], start_i};
+    job_q <= job_i;
+    if (rst_i) begin
+      start_q <= 1'b0;
+      at_q    <= '0;
+    end else begin
+      start_q <= start_i;
+      at_q    <= {at_q[Steps-2:0], start_q};
+    end
   end
 
   // First line of each slot.
@@ -55,22 +64,22 @@ module slog_job_plan
   logic [3:0] tpl_last_q, search_last_q;    // word of the row's last bit
   logic [3:0] tpl_words_q, search_words_q;
   always_ff @(posedge clk_i) begin
-    if (start_i) begin
-      width_q  <= job_i.width - 1'b1;
-      height_q <= job_i.height - 1'b1;
-      across_q <= job_i.offsets_x - 1'b1;
-      down_q   <= job_i.offsets_y - 1'b1;
+    if (start_q) begin
+      width_q  <= job_q.width - 1'b1;
+      height_q <= job_q.height - 1'b1;
+      across_q <= job_q.offsets_x - 1'b1;
+      down_q   <= job_q.offsets_y - 1'b1;
     end
     if (at_q[0]) begin
       span_q        <= across_q + 10'(width_q);
       search_rows_q <= down_q + 10'(height_q);
-      tpl_last_q    <= word_of(job_i.tpl_x + 10'(width_q));
+      tpl_last_q    <= word_of(job_q.tpl_x + 10'(width_q));
     end
     if (at_q[1]) begin
-      search_last_q <= word_of(job_i.search_x + span_q);
-      tpl_words_q   <= tpl_last_q - word_of(job_i.tpl_x);
+      search_last_q <= word_of(job_q.search_x + span_q);
+      tpl_words_q   <= tpl_last_q - word_of(job_q.tpl_x);
     end
-    if (at_q[2]) search_words_q <= search_last_q - word_of(job_i.search_x);
+    if (at_q[2]) search_words_q <= search_last_q - word_of(job_q.search_x);
   end
 
   // Addresses: the line, WordsBits steps of shift and add, each a clock after its term is chosen, the word within the row.
@@ -83,13 +92,13 @@ module slog_job_plan
     else multiply_q <= at_q[WordsBits:1] != '0;
   end
   always_ff @(posedge clk_i) begin
-    if (start_i) begin
-      tpl_first_q    <= FirstLine[job_i.tpl_slot];
-      search_first_q <= FirstLine[job_i.search_slot];
+    if (start_q) begin
+      tpl_first_q    <= FirstLine[job_q.tpl_slot];
+      search_first_q <= FirstLine[job_q.search_slot];
     end
     if (at_q[0]) begin
-      tpl_line_q    <= tpl_first_q + LineW'(job_i.tpl_y);
-      search_line_q <= search_first_q + LineW'(job_i.search_y);
+      tpl_line_q    <= tpl_first_q + LineW'(job_q.tpl_y);
+      search_line_q <= search_first_q + LineW'(job_q.search_y);
       factor_q      <= WordsBits'(WordsPerRow);
     end else begin
       factor_q      <= factor_q << 1;
@@ -103,21 +112,21 @@ module slog_job_plan
       tpl_addr_q    <= (tpl_addr_q << 1) + 16'(tpl_term_q);
       search_addr_q <= (search_addr_q << 1) + 16'(search_term_q);
     end else if (at_q[WordsBits+2]) begin
-      tpl_addr_q    <= tpl_addr_q + 16'(word_of(job_i.tpl_x));
-      search_addr_q <= search_addr_q + 16'(word_of(job_i.search_x));
+      tpl_addr_q    <= tpl_addr_q + 16'(word_of(job_q.tpl_x));
+      search_addr_q <= search_addr_q + 16'(word_of(job_q.search_x));
     end
   end
 
   assign tpl_o = '{
           addr: tpl_addr_q,
-          shift: 6'(job_i.tpl_x[ShiftW-1:0]),
+          shift: 6'(job_q.tpl_x[ShiftW-1:0]),
           words_in: tpl_words_q,
           words_out: word_of(10'(width_q)),
           rows: 10'(height_q)
       };
   assign search_o = '{
           addr: search_addr_q,
-          shift: 6'(job_i.search_x[ShiftW-1:0]),
+          shift: 6'(job_q.search_x[ShiftW-1:0]),
           words_in: search_words_q,
           words_out: word_of(span_q),
           rows: search_rows_q
@@ -125,5 +134,5 @@ module slog_job_plan
 
   `SLOG_ASSERT_INIT(SlogJobPlanShift, ShiftW <= 6 && ShiftW >= 2)
   `SLOG_ASSERT_INIT(SlogJobPlanWords, WordsPerRow <= 15 && 8 * MaxHeight * WordsPerRow <= 65536)
-  `SLOG_ASSERT(SlogJobPlanStable, |at_q |-> $stable(job_i))
+  `SLOG_ASSERT(SlogJobPlanStable, (start_q || |at_q) |-> $stable(job_i))
 endmodule : slog_job_plan

@@ -4,11 +4,12 @@
 //   tpl_a = low, tpl_b = high word of template row tpl_step; search row ring_row, its low and high part    (wide)
 //
 // Stage   registers            valid after the clock of step_i
-//   1     step_q               1
-//   2-5   tpl_addr_q .. q4     2 .. 5: the templates need less time than the search rows
-//   7     template RAM output  7
-//   8     tpl_*_o, search_*_o, valid_o .. lanes_o, move_o    8 = slog_array_pkg::OperandLatency
-// A word that is written is registered twice, too: at the door, and for each row parity of the ring and for the templates.
+//   1-2   step_q, step_q2      1, 2: the walker is far
+//   3-6   tpl_addr_q .. q4     3 .. 6: the templates need less time than the search rows
+//   8     template RAM output  8
+//   9     tpl_*_o, search_*_o, valid_o .. lanes_o, move_o    9 = slog_array_pkg::OperandLatency
+// A word that is written is registered three times, too: twice on its way, as the step is, and for each row parity of the
+// ring and for the templates.
 //
 // Throughput : one step and one written word per clock.
 // Formats    : bit 0 is leftmost; search rows start at unit step_i.chunk of the ring row (units of GroupBits/2 bits).
@@ -55,24 +56,44 @@ module slog_operands #(
   `SLOG_ASSERT_INIT(SlogOperandsLanes, 2 * (Lanes - 1) == GroupBits)
   `SLOG_ASSERT_INIT(SlogOperandsRing, 2 ** RingW == RingRows && RingW <= 8 && WordsPerRow <= 16)
 
-  // At the door: the step, a word to be written, and where it goes.
-  slog_pkg::step_t step_q;
+  // On their way as they are: the step, and a word to be written.
+  typedef struct packed {
+    logic                 valid;
+    logic                 tpl;
+    logic                 wide;
+    logic                 bank;
+    logic [7:0]           row;
+    logic [3:0]           word;
+    logic [GroupBits-1:0] data;
+  } write_t;
+  slog_pkg::step_t step_q, step_q2;
+  write_t write_q;
+  always_ff @(posedge clk_i) begin
+    step_q  <= step_i;
+    step_q2 <= step_q;
+    if (rst_i) begin
+      step_q.valid  <= 1'b0;
+      step_q2.valid <= 1'b0;
+    end
+    write_q <= '{valid: wr_valid_i, tpl: wr_tpl_i, wide: wr_wide_i, bank: wr_bank_i, row: wr_row_i, word: wr_word_i,
+                 data: wr_data_i};
+  end
+
+  // At the door: where the word goes.
   logic                 wr_even_q, wr_odd_q, wr_tpl_q, wr_high_q;
   logic [StepW:0]       wr_addr_q;
   logic [RingW-2:0]     wr_pair_q;
   logic [3:0]           wr_word_q;
   logic [GroupBits-1:0] wr_data_q;
   always_ff @(posedge clk_i) begin
-    step_q    <= step_i;
-    if (rst_i) step_q.valid <= 1'b0;
-    wr_even_q <= wr_valid_i && !wr_tpl_i && !wr_row_i[0];
-    wr_odd_q  <= wr_valid_i && !wr_tpl_i && wr_row_i[0];
-    wr_tpl_q  <= wr_valid_i && wr_tpl_i;
-    wr_high_q <= wr_wide_i ? wr_word_i[0] : wr_row_i[0];
-    wr_addr_q <= {wr_bank_i, wr_wide_i ? wr_row_i[StepW-1:0] : StepW'(wr_row_i[StepW-1:1])};
-    wr_pair_q <= wr_row_i[RingW-1:1];
-    wr_word_q <= wr_word_i;
-    wr_data_q <= wr_data_i;
+    wr_even_q <= write_q.valid && !write_q.tpl && !write_q.row[0];
+    wr_odd_q  <= write_q.valid && !write_q.tpl && write_q.row[0];
+    wr_tpl_q  <= write_q.valid && write_q.tpl;
+    wr_high_q <= write_q.wide ? write_q.word[0] : write_q.row[0];
+    wr_addr_q <= {write_q.bank, write_q.wide ? write_q.row[StepW-1:0] : StepW'(write_q.row[StepW-1:1])};
+    wr_pair_q <= write_q.row[RingW-1:1];
+    wr_word_q <= write_q.word;
+    wr_data_q <= write_q.data;
   end
 
   // What travels with the operands, and the templates' addresses.
@@ -84,20 +105,26 @@ module slog_operands #(
     logic [LaneW-1:0] lanes;
   } control_t;
   control_t control_q, control_q2, control_q3, control_q4, control_q5, control_q6, control_q7;
-  logic both_q5;  // control_q5.valid && control_q5.row_b
+  // The memories are not where the array is: what blanks the rows goes a way of its own, and is the opposite, or synthesis
+  // would take it for control_q.
+  logic [4:0] blank_a_q, blank_b_q;
   logic [StepW:0] tpl_addr_q, tpl_addr_q2, tpl_addr_q3, tpl_addr_q4;
 
   always_ff @(posedge clk_i) begin
-    control_q  <= '{valid: step_q.valid && !rst_i, first: step_q.first, last: step_q.last, row_b: step_q.row_b,
-                    lanes: step_q.lanes[LaneW-1:0]};
+    control_q  <= '{valid: step_q2.valid, first: step_q2.first, last: step_q2.last, row_b: step_q2.row_b,
+                    lanes: step_q2.lanes[LaneW-1:0]};
     control_q2 <= control_q;
     control_q3 <= control_q2;
     control_q4 <= control_q3;
     control_q5 <= control_q4;
     control_q6 <= control_q5;
     control_q7 <= control_q6;
-    both_q5    <= control_q4.valid && control_q4.row_b && !rst_i;
+    blank_a_q  <= {blank_a_q[3:0], !step_q2.valid};
+    blank_b_q  <= {blank_b_q[3:0], !(step_q2.valid && step_q2.row_b)};
     if (rst_i) begin
+      blank_a_q        <= '1;
+      blank_b_q        <= '1;
+      control_q.valid  <= 1'b0;
       control_q2.valid <= 1'b0;
       control_q3.valid <= 1'b0;
       control_q4.valid <= 1'b0;
@@ -105,13 +132,12 @@ module slog_operands #(
       control_q6.valid <= 1'b0;
       control_q7.valid <= 1'b0;
     end
-    tpl_addr_q  <= {step_q.bank, step_q.tpl_step[StepW-1:0]};
+    tpl_addr_q  <= {step_q2.bank, step_q2.tpl_step[StepW-1:0]};
     tpl_addr_q2 <= tpl_addr_q;
     tpl_addr_q3 <= tpl_addr_q2;
     tpl_addr_q4 <= tpl_addr_q3;
   end
 
-  logic blank_a_q, blank_b_q;
   slog_search_ring #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow)) u_search (
       .clk_i,
       .rst_i,
@@ -120,11 +146,11 @@ module slog_operands #(
       .wr_pair_i (wr_pair_q),
       .wr_word_i (wr_word_q),
       .wr_data_i (wr_data_q),
-      .wide_i    (step_q.wide),
-      .row_i     (step_q.ring_row[RingW-1:0]),
-      .chunk_i   (step_q.chunk),
-      .keep_a_i  (control_q5.valid),
-      .keep_b_i  (both_q5),
+      .wide_i    (step_q2.wide),
+      .row_i     (step_q2.ring_row[RingW-1:0]),
+      .chunk_i   (step_q2.chunk),
+      .blank_a_i (blank_a_q[4]),
+      .blank_b_i (blank_b_q[4]),
       .a_o       (search_a_o),
       .b_o       (search_b_o)
   );
@@ -139,19 +165,26 @@ module slog_operands #(
     if (wr_tpl_q) wr_data_q2 <= wr_data_q;
   end
 
+  // Read always: an enable would have far to go.
   slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_a (
       .clk_i, .wr_en_i(wr_tpl_a_q), .wr_addr_i(wr_addr_q2), .wr_data_i(wr_data_q2),
-      .rd_en_i(control_q4.valid), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_a)
+      .rd_en_i(1'b1), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_a)
   );
   slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_b (
       .clk_i, .wr_en_i(wr_tpl_b_q), .wr_addr_i(wr_addr_q2), .wr_data_i(wr_data_q2),
-      .rd_en_i(control_q4.valid), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_b)
+      .rd_en_i(1'b1), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_b)
   );
+  logic tpl_blank_a_q, tpl_blank_b_q;
   always_ff @(posedge clk_i) begin
-    blank_a_q <= !control_q5.valid || rst_i;
-    blank_b_q <= !both_q5 || rst_i;
-    tpl_a_o   <= blank_a_q ? '0 : tpl_a;
-    tpl_b_o   <= blank_b_q ? '0 : tpl_b;
+    tpl_blank_a_q <= blank_a_q[4];
+    tpl_blank_b_q <= blank_b_q[4];
+    // As a reset of theirs: it comes on a network of its own.
+    if (rst_i) begin
+      tpl_blank_a_q <= 1'b1;
+      tpl_blank_b_q <= 1'b1;
+    end
+    tpl_a_o       <= tpl_blank_a_q ? '0 : tpl_a;
+    tpl_b_o       <= tpl_blank_b_q ? '0 : tpl_b;
   end
 
   logic [HoldW-1:0] hold_q;

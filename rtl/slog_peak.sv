@@ -4,7 +4,8 @@
 //
 // Handshake  : the array cannot be stopped within a row of offsets, so room for a whole row is reserved before it starts:
 //              a row may start in a clock with row_valid_i and row_ready_o (row_offsets_i = the job's offsets_x, counted
-//              in that clock). row_ready_o does not depend on row_valid_i and is low for one clock after each grant.
+//              in that clock). row_ready_o does not depend on row_valid_i and is low for one clock after each grant, and
+//              ctx_ready_o not on ctx_valid_i: a context is taken in every other clock at most.
 //              A job's context must be taken (ctx_valid_i, ctx_ready_o) no later than in the clock of its first grant.
 //              Scores of granted rows come in grant order, gaps allowed; they are never refused.
 // Results    : one in two clocks at most.
@@ -51,8 +52,8 @@ module slog_peak
   localparam int unsigned RowLevelW = $clog2(RowDepth + 1);
   localparam int unsigned ContextDepth = 8;
   localparam int unsigned OutcomeDepth = 8;  // rows in the scan's pipeline, one in two clocks
-  localparam int unsigned SurfaceDepth = 8;
-  localparam int unsigned SurfaceRoom = 5;   // scores that may be on their way when surf_ok_q falls
+  localparam int unsigned SurfaceDepth = 16;
+  localparam int unsigned SurfaceRoom = 6;   // scores that may be on their way when surf_ok_q falls
 
   // The array is far.
   logic arrived_q;
@@ -72,15 +73,24 @@ module slog_peak
       .out_valid_o(queue_valid), .out_ready_i(queue_valid && queue_ready), .out_data_o(queue_mismatch),
       .level_o(unused_queue_level));
 
+  // Rows are granted where the sequencer is.
+  logic taken_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) taken_q <= 1'b0;
+    else taken_q <= queue_valid && queue_ready;
+  end
   slog_peak_room #(.Depth(ScoreDepth), .MaxOffsets(MaxOffsets)) u_room (
-      .clk_i, .rst_i, .row_valid_i, .row_ready_o, .row_offsets_i, .taken_i(queue_valid && queue_ready));
+      .clk_i, .rst_i, .row_valid_i, .row_ready_o, .row_offsets_i, .taken_i(taken_q));
 
-  // Contexts, unrolled into rows.
-  logic ctx_valid, ctx_ready, queued_ctx_valid, queued_ctx_ready;
-  context_t ctx, queued_ctx;
+  // Contexts, unrolled into rows. They come from where the sequencer is.
+  logic ctx_valid, ctx_ready, near_ctx_valid, near_ctx_ready, queued_ctx_valid, queued_ctx_ready;
+  context_t ctx, near_ctx, queued_ctx;
   logic [$clog2(ContextDepth+1)-1:0] unused_ctx_level;
-  slog_fifo #(.Width($bits(context_t)), .Depth(ContextDepth)) u_contexts (
+  slog_stage #(.Width($bits(context_t)), .Half(1'b1)) u_near_context (
       .clk_i, .rst_i, .in_valid_i(ctx_valid_i), .in_ready_o(ctx_ready_o), .in_data_i(ctx_i),
+      .out_valid_o(near_ctx_valid), .out_ready_i(near_ctx_ready), .out_data_o(near_ctx));
+  slog_fifo #(.Width($bits(context_t)), .Depth(ContextDepth)) u_contexts (
+      .clk_i, .rst_i, .in_valid_i(near_ctx_valid), .in_ready_o(near_ctx_ready), .in_data_i(near_ctx),
       .out_valid_o(queued_ctx_valid), .out_ready_i(queued_ctx_ready), .out_data_o(queued_ctx),
       .level_o(unused_ctx_level));
   slog_stage #(.Width($bits(context_t)), .Half(1'b1)) u_context (
@@ -100,7 +110,7 @@ module slog_peak
   end
 
   // Scores with their places.
-  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok_q;
+  logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok_q, surf_ok_q2;
   logic [9:0] score_x;
   logic [ScoreW-1:0] score;
   logic [Banks-1:0] write_bank;
@@ -112,7 +122,7 @@ module slog_peak
       .mismatch_valid_i(queue_valid), .mismatch_ready_o(queue_ready), .mismatch_i(queue_mismatch),
       .score_valid_o(score_valid), .score_first_o(score_first), .score_last_o(score_last), .score_x_o(score_x),
       .score_o(score), .bank_o(write_bank),
-      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok_q));
+      .surf_valid_o(surf_valid), .surf_first_o(surf_first), .surf_last_o(surf_last), .surf_ok_i(surf_ok_q2));
 
   // Surface stream.
   logic surf_room;
@@ -123,8 +133,13 @@ module slog_peak
       .out_valid_o(surf_tvalid_o), .out_ready_i(surf_tvalid_o && surf_tready_i),
       .out_data_o({surf_tlast_o, surf_tuser_o, surf_tdata_o[ScoreW-1:0]}), .level_o(surf_level));
   always_ff @(posedge clk_i) begin
-    if (rst_i) surf_ok_q <= 1'b0;
-    else surf_ok_q <= 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
+    if (rst_i) begin
+      surf_ok_q  <= 1'b0;
+      surf_ok_q2 <= 1'b0;
+    end else begin
+      surf_ok_q  <= 32'(surf_level) <= SurfaceDepth - SurfaceRoom;
+      surf_ok_q2 <= surf_ok_q;
+    end
   end
 
   // Row banks: row r of offsets, counted over all jobs, in bank r mod Banks.

@@ -140,7 +140,7 @@ module slog_peak_intake
       s1_valid_q <= pop;
       s2_valid_q <= s1_valid_q;
       s2_surf_q  <= s1_valid_q && surface_row_q;
-      s2_bank_q  <= s1_valid_q ? bank_q : '0;
+      s2_bank_q  <= {Banks{s1_valid_q}} & bank_q;
     end
   end
 

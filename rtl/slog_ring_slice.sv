@@ -10,7 +10,7 @@
 //   2    a_q2[4] b_q2[4]    2: words of the row
 //   3    a_q3[3] b_q3[4]    3: words from the first quad on
 //   4    a_q4[2] b_q4[2]    4: words from the first unit's on
-//   5    a_o b_o            5: units in place; zero unless keep_a_i, keep_b_i were high two clocks before, with no rst_i
+//   5    a_o b_o            5: units in place; zero if blank_a_i, blank_b_i were high two clocks before, or rst_i
 //
 // Throughput : one choice per clock.
 module slog_ring_slice #(
@@ -23,8 +23,8 @@ module slog_ring_slice #(
     input  logic                           odd_b_i,
     input  logic                           wide_i,
     input  logic [2:0]                     chunk_i,
-    input  logic                           keep_a_i,
-    input  logic                           keep_b_i,
+    input  logic                           blank_a_i,
+    input  logic                           blank_b_i,
     input  logic [7:0][WordBits-1:0]       word_i,  // [{row parity, quad parity, word parity}]
     output logic [WordBits+UnitBits-1:0]   a_o,
     output logic [WordBits+UnitBits-1:0]   b_o
@@ -44,9 +44,12 @@ module slog_ring_slice #(
     chunk_q2 <= chunk_q;
     chunk_q3 <= chunk_q2[1:0];
     chunk_q4 <= chunk_q3[0];
-    // Inverted here, so that they clear the rows themselves, with no logic on the way.
-    blank_a_q <= !keep_a_i || rst_i;
-    blank_b_q <= !keep_b_i || rst_i;
+    blank_a_q <= blank_a_i;
+    blank_b_q <= blank_b_i;
+    if (rst_i) begin
+      blank_a_q <= 1'b1;
+      blank_b_q <= 1'b1;
+    end
 
     for (int unsigned m = 0; m < 4; m++) begin
       a_q2[m] <= word_i[{odd_a_q, 2'(m)}];

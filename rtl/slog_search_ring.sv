@@ -10,8 +10,8 @@
 // Stage  registers          valid after the clock of wide_i, row_i, chunk_i
 //   1    addr_q             1
 //   3    RAM output         3
-//   3-7  slog_ring_slice    7: a_o, b_o; zero unless keep_a_i, keep_b_i were high two clocks before,
-//                              with no rst_i
+//   3-7  slog_ring_slice    7: a_o, b_o; zero if blank_a_i, blank_b_i were high two clocks before,
+//                              or rst_i
 //
 // Throughput : one read and one write per clock.
 // Rules      : a word can be read by row_i from the clock after its wr_even_i or wr_odd_i on, and written again from the
@@ -35,8 +35,8 @@ module slog_search_ring #(
     input  logic                       wide_i,
     input  logic [RowW-1:0]            row_i,
     input  logic [4:0]                 chunk_i,
-    input  logic                       keep_a_i,
-    input  logic                       keep_b_i,
+    input  logic                       blank_a_i,
+    input  logic                       blank_b_i,
     output logic [GroupBits+Pitch-1:0] a_o,
     output logic [GroupBits+Pitch-1:0] b_o
 );
@@ -119,8 +119,8 @@ module slog_search_ring #(
         .odd_b_i (odd_b_q2),
         .wide_i  (wide_q2),
         .chunk_i (chunk_q2),
-        .keep_a_i,
-        .keep_b_i,
+        .blank_a_i,
+        .blank_b_i,
         .word_i  (words),
         .a_o     (a),
         .b_o     (b)

@@ -6,7 +6,7 @@
 //   steps   = wide ? height : ceil(height / 2)              wide = width > GroupBits
 //   passes  = ceil((offsets_x - 1) / Pitch), at least 1: Pitch offsets each, 1..Pitch+1 in the last
 //   gap     = offsets of the pass before - steps, at least 0: idle clocks, as lanes leave one a clock
-// Latency    : row_ready_i to the first step_o 4 clocks (no gap, operands there, walker idle).
+// Latency    : row_ready_i to the first step_o 5 clocks (no gap, operands there, walker idle).
 // Throughput : one step a clock from row to row, if a row takes 4 clocks or more and grants come at once; also from job to
 //              job of equal width, if those at its end take 8. A job of another width waits until the array has drained
 //              (DrainClocks), as mask_o is for all lanes alike.
@@ -51,7 +51,7 @@ module slog_sequencer
   ticket_t t_q;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  // Prepare: four stages, of which each has the enable of its clock.
+  // Prepare: four stages that follow the ticket, which stays. No enable: it would have far to go, as the mask has.
   logic [2:0] prep_q;
   logic wide_q, single_q, same_width_q, good_q;
   logic [7:0] paired_steps_q;
@@ -70,29 +70,21 @@ module slog_sequencer
     return {less_one[8], less_one[5:0]};
   endfunction
   always_ff @(posedge clk_i) begin
-    if (prepare_q) begin
-      tail_q         <= {t_q.job.width[GroupW-1:GroupW/2] != '0, t_q.job.width[GroupW/2-1:0] != '0};
-      single_q       <= t_q.job.offsets_x == 10'd1;
-      across_q       <= t_q.job.offsets_x - 10'd2;
-      same_width_q   <= t_q.job.width == mask_width_q;
-      good_q         <= t_q.status == StatusOk;
-      paired_steps_q <= (t_q.job.height >> 1) + 8'(t_q.job.height[0]);
-    end
-    if (prep_q[0]) begin
-      wide_q       <= t_q.job.width[7:GroupW+1] != '0 || (t_q.job.width[GroupW] && tail_q != '0);
-      last_chunk_q <= single_q ? '0 : 5'(across_q[9:PitchW]);
-      last_lanes_q <= single_q ? 6'd1 : 6'(across_q[PitchW-1:0]) + 6'd2;
-    end
-    if (prep_q[1]) begin
-      steps_q       <= wide_q ? t_q.job.height : paired_steps_q;
-      more_passes_q <= 6'(last_chunk_q) - 6'd1;
-    end
-    if (prep_q[2]) begin
-      more_steps_q <= steps_q - 8'd2;
-      gap_first_q  <= gap(6'(Pitch + 1), steps_q);
-      gap_pass_q   <= gap(6'(Pitch), steps_q);
-      gap_row_q    <= gap(last_lanes_q, steps_q);
-    end
+    if (prepare_q) same_width_q <= t_q.job.width == mask_width_q;
+    tail_q         <= {t_q.job.width[GroupW-1:GroupW/2] != '0, t_q.job.width[GroupW/2-1:0] != '0};
+    single_q       <= t_q.job.offsets_x == 10'd1;
+    across_q       <= t_q.job.offsets_x - 10'd2;
+    good_q         <= t_q.status == StatusOk;
+    paired_steps_q <= (t_q.job.height >> 1) + 8'(t_q.job.height[0]);
+    wide_q         <= t_q.job.width[7:GroupW+1] != '0 || (t_q.job.width[GroupW] && tail_q != '0);
+    last_chunk_q   <= single_q ? '0 : 5'(across_q[9:PitchW]);
+    last_lanes_q   <= single_q ? 6'd1 : 6'(across_q[PitchW-1:0]) + 6'd2;
+    steps_q        <= wide_q ? t_q.job.height : paired_steps_q;
+    more_passes_q  <= 6'(last_chunk_q) - 6'd1;
+    more_steps_q   <= steps_q - 8'd2;
+    gap_first_q    <= gap(6'(Pitch + 1), steps_q);
+    gap_pass_q     <= gap(6'(Pitch), steps_q);
+    gap_row_q      <= gap(last_lanes_q, steps_q);
   end
 
   // Mask: units of MaskUnit bits are full, empty or partly full.
@@ -106,34 +98,26 @@ module slog_sequencer
   logic [Units-1:0] reached_q, ends_q;  // of a window in one row: reaches past the unit, ends in it
   logic [Units-1:0] full_q, partly_q;
   logic [Unit-1:0] part_q;
-  logic [2*GroupBits-1:0] mask_q;
+  logic [2*GroupBits-1:0] mask_q, mask_q2;  // as made; on its way to the array
   logic mask_load;
   logic [1:0] load_q;                   // group A's, group B's half of the mask is loaded: one after the other
   always_ff @(posedge clk_i) begin
-    if (prepare_q) begin
-      for (int unsigned n = 0; n < 4; n++) begin
-        past_low_q[n] <= t_q.job.width[UnitW+:2] > 2'(n);
-        in_low_q[n]   <= t_q.job.width[UnitW+:2] == 2'(n);
-      end
-      for (int unsigned n = 0; n < (1 << CountW) / 4; n++) begin
-        past_high_q[n] <= t_q.job.width[7:UnitW+2] > (CountW - 2)'(n);
-        in_high_q[n]   <= t_q.job.width[7:UnitW+2] == (CountW - 2)'(n);
-      end
+    for (int unsigned n = 0; n < 4; n++) begin
+      past_low_q[n] <= t_q.job.width[UnitW+:2] > 2'(n);
+      in_low_q[n]   <= t_q.job.width[UnitW+:2] == 2'(n);
     end
-    if (prep_q[0]) begin
-      for (int unsigned u = 0; u < Units; u++) begin
-        reached_q[u] <= past_high_q[u/4] || (in_high_q[u/4] && past_low_q[u%4]);
-        ends_q[u]    <= in_high_q[u/4] && in_low_q[u%4];
-      end
+    for (int unsigned n = 0; n < (1 << CountW) / 4; n++) begin
+      past_high_q[n] <= t_q.job.width[7:UnitW+2] > (CountW - 2)'(n);
+      in_high_q[n]   <= t_q.job.width[7:UnitW+2] == (CountW - 2)'(n);
     end
-    if (prep_q[1]) begin
-      for (int unsigned u = 0; u < Units; u++) begin
-        // In a paired step group B is a row of its own.
-        full_q[u]   <= (wide_q || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
-        partly_q[u] <= (wide_q || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
-      end
+    for (int unsigned u = 0; u < Units; u++) begin
+      reached_q[u] <= past_high_q[u/4] || (in_high_q[u/4] && past_low_q[u%4]);
+      ends_q[u]    <= in_high_q[u/4] && in_low_q[u%4];
+      // In a paired step group B is a row of its own.
+      full_q[u]   <= (wide_q || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
+      partly_q[u] <= (wide_q || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
     end
-    if (prep_q[2]) for (int unsigned b = 0; b < Unit; b++) part_q[b] <= t_q.job.width[UnitW-1:0] > UnitW'(b);
+    for (int unsigned b = 0; b < Unit; b++) part_q[b] <= t_q.job.width[UnitW-1:0] > UnitW'(b);
     for (int unsigned h = 0; h < 2; h++) begin
       if (load_q[h]) begin
         for (int unsigned b = h * GroupBits; b < (h + 1) * GroupBits; b++) begin
@@ -141,6 +125,7 @@ module slog_sequencer
         end
       end
     end
+    mask_q2 <= mask_q;
   end
 
   // Rows.
@@ -251,7 +236,7 @@ module slog_sequencer
       };
   assign row_valid_o    = row_valid_q;
   assign row_offsets_o  = t_q.job.offsets_x;
-  assign mask_o         = mask_q;
+  assign mask_o         = mask_q2;
   assign busy_o         = !idle_q || token_valid_q || walking;
 
   `SLOG_ASSERT(SlogSequencerState, $onehot({idle_q, prepare_q, context_q, masking_q, rows_q}))

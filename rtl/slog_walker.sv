@@ -2,7 +2,7 @@
 //
 //   pass c scores offsets c*Pitch .. c*Pitch + lanes - 1; step s reads ring rows ring_row + 2s, + 2s + 1 (paired) or + s (wide)
 //
-// Latency    : row_valid_i && row_ready_o to the first step_o 2 clocks plus gap_row; rows_freed_o one clock after the step.
+// Latency    : row_valid_i && row_ready_o to the first step_o 3 clocks plus gap_row; rows_freed_o in the clock of the step.
 // Throughput : a step a clock; from row to row no clock is lost when the next row is offered in time. Gaps before passes
 //              (gap_row, gap_pass) keep the ends of two passes at least as many clocks apart as the earlier one has offsets.
 // Rules      : a row's ring rows, and after the job's last row its template bank, are free after its last step.
@@ -40,12 +40,10 @@ module slog_walker
   logic stepping_q, waiting_q;  // not in a gap
   logic last_q, more_q;         // the next step is the last of its pass
   logic last_pass_q, again_q;   // this pass is the last of its row
-  logic first_q;                // the next step is the first of its pass
   logic paired_q;               // !row_q.wide
   logic [6:0] gap_q, gap_next;
   logic [7:0] steps_q, steps_next;
   logic [5:0] passes_q, passes_next;
-  logic [6:0] step_q;
   logic [RingW-1:0] ring_q;
   logic go, pass_end, reload, row_end, stepping, last, last_pass, waiting, more, again;
 
@@ -102,13 +100,6 @@ module slog_walker
       paired_q <= !row_i.wide;
     end
     if (reload) passes_q <= again_q ? passes_next : row_i.passes;
-    if (!more_q) begin
-      first_q <= 1'b1;
-      step_q  <= '0;
-    end else if (!waiting_q) begin
-      first_q <= 1'b0;
-      step_q  <= step_q + 1'b1;
-    end
     if (!waiting_q) begin
       steps_q <= more_q ? steps_next : again_q ? row_q.steps : row_i.steps;
       ring_q  <= more_q ? ring_q + RingW'({paired_q, row_q.wide}) :
@@ -117,14 +108,19 @@ module slog_walker
     gap_q <= waiting_q ? gap_next : again_q ? row_q.gap_pass : row_i.gap_row;
   end
 
-  step_t step_out_q;
-  logic valid_q, passed_q, first_pass_q, ended_q, final_q, bank_free_q, drained_q;
+  // The step, made in two clocks: what the flags say, in registers that count and clear on their way to the memories.
+  step_t made_q, step_q;
+  logic valid_q, valid_q2, passed_q, first_pass_q, ended_q, final_q, bank_free_q, drained_q;
+  logic count_q;                // the step after made_q is one on, or a pass's first
+  logic first_q;
+  logic [6:0] tpl_step_q;
   logic [4:0] chunk_q;
   logic [RowW-1:0] free_to_q, freed_q;
   logic [DrainW-1:0] drain_q;  // clocks before drained_o, less two: negative when there are none
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       valid_q     <= 1'b0;
+      valid_q2    <= 1'b0;
       ended_q     <= 1'b0;
       bank_free_q <= 1'b0;
       freed_q     <= '0;
@@ -132,12 +128,13 @@ module slog_walker
       drained_q   <= 1'b0;
     end else begin
       valid_q     <= go;
+      valid_q2    <= valid_q;
       ended_q     <= row_end;
       bank_free_q <= ended_q && final_q;
       if (ended_q) freed_q <= free_to_q;
-      if (valid_q) drain_q <= DrainW'(DrainClocks - 2);
+      if (valid_q2) drain_q <= DrainW'(DrainClocks - 2);
       else if (!drain_q[DrainW-1]) drain_q <= drain_q - 1'b1;
-      drained_q <= !active_q && !row_valid_i && !valid_q && drain_q[DrainW-1];
+      drained_q <= !active_q && !row_valid_i && !valid_q && !valid_q2 && drain_q[DrainW-1];
     end
   end
   always_ff @(posedge clk_i) begin
@@ -147,28 +144,39 @@ module slog_walker
     else if (passed_q) chunk_q <= chunk_q + 1'b1;
     free_to_q  <= row_q.free_to[RowW-1:0];
     final_q    <= row_q.final_row;
-    step_out_q <= '{
+    count_q    <= !waiting_q;
+    if (made_q.last) begin
+      first_q    <= 1'b1;
+      tpl_step_q <= '0;
+    end else if (count_q) begin
+      first_q    <= 1'b0;
+      tpl_step_q <= tpl_step_q + 1'b1;
+    end
+    made_q <= '{
         valid: 1'b1,
-        first: first_q,
+        first: 1'b0,
         last: !more_q,
         wide: row_q.wide,
         row_b: row_q.wide || more_q || !row_q.odd,
         bank: row_q.bank,
-        tpl_step: step_q,
+        tpl_step: '0,
         ring_row: 8'(ring_q),
         chunk: '0,
         lanes: again_q ? 6'(Pitch) : row_q.last_lanes
     };
+    step_q          <= made_q;
+    step_q.first    <= first_q;
+    step_q.tpl_step <= tpl_step_q;
+    step_q.chunk    <= chunk_q;
   end
 
   always_comb begin
-    step_o       = step_out_q;
-    step_o.valid = valid_q;
-    step_o.chunk = chunk_q;
+    step_o       = step_q;
+    step_o.valid = valid_q2;
   end
   assign rows_freed_o = freed_q;
   assign bank_free_o  = bank_free_q;
-  assign busy_o       = active_q || valid_q;
+  assign busy_o       = active_q || valid_q || valid_q2;
   assign drained_o    = drained_q;
 
   `SLOG_ASSERT(SlogWalkerCopies, {waiting_q, more_q, again_q} == ({3{active_q}} & ~{stepping_q, last_q, last_pass_q}))
