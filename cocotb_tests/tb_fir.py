@@ -12,7 +12,7 @@ from golden.cycle_log import FirModel, levels
 
 def windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
-    radius, latency = p["Radius"], 5 + levels(p["Radius"])
+    radius, latency = p["Radius"], 6 + levels(p["Radius"])
     bits = p["DataW"] * (2 * radius + 1)
     offer = willing(shape, rng)
     for run in range(12):

@@ -59,7 +59,7 @@ async def sizes(dut, size: tuple[int, int]) -> None:
     await check_cycles(dut, model(), video(rng, items, settings(*size, sigma), "none"), watch)
     compare(seen, items, sigma)
     assert seen.stalled == 0
-    latency = 28 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
+    latency = 34 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
     rows = [sent[frame * size[1] + p["Radius"]] for frame in range(3)]
     assert [b - a for a, b in zip(rows, seen.first_word, strict=True)] == [latency] * 3
 
@@ -92,6 +92,7 @@ async def settings_change_in_hold(dut) -> None:
     def stimulus() -> Stimulus:
         for batch, now, following in zip(items, runs, [*runs[1:], runs[-1]], strict=True):
             yield from video(rng, batch, settings(*now), "random")
+            yield {**settings(*now), "hold_i": 1}
             for n in range(20):  # an impatient source
                 common = settings(*(now if n < 18 else following))
                 out = yield {**common, "hold_i": 1, "tvalid_i": 1, "tuser_i": 1, "tdata_i": 1}

@@ -57,7 +57,7 @@ async def every_clock(dut, reads: str, peeks: str) -> None:
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """Read to data 9 clocks; peek to done 10 when nothing else is read, the wait for a free clock on top."""
+    """Read to data 10 clocks; peek to done 11 when nothing else is read, the wait for a free clock on top."""
     p = params()
     seen: list[tuple[int, str, int | None]] = []
     quiet = {"rst_i": 0, "wr_valid_i": 0, "rd_valid_i": 0, "peek_valid_i": 0}
@@ -66,15 +66,15 @@ async def latency(dut) -> None:
         yield {**quiet, "wr_valid_i": 1, "wr_addr_i": 700, "wr_data_i": 0xA5}
         yield {**quiet, "wr_valid_i": 1, "wr_addr_i": 3, "wr_data_i": 0x3C}
         yield {**quiet, "rd_valid_i": 1, "rd_addr_i": 700}
-        for _ in range(10):
+        for _ in range(STORE_LATENCY + 1):
             yield quiet
         yield {**quiet, "peek_valid_i": 1, "peek_addr_i": 3}
-        for _ in range(11):
+        for _ in range(STORE_LATENCY + 2):
             yield quiet
         yield {**quiet, "peek_valid_i": 1, "peek_addr_i": 700}
         for _ in range(3):
             yield {**quiet, "rd_valid_i": 1, "rd_addr_i": 3}
-        for _ in range(10):
+        for _ in range(STORE_LATENCY + 1):
             yield quiet
 
     clock = 0
@@ -88,5 +88,5 @@ async def latency(dut) -> None:
         clock += 1
 
     await check_cycles(dut, StoreModel(p["Words"]), script(), note)
-    assert seen == [(2 + STORE_LATENCY, "read", 0xA5), (13 + 1 + STORE_LATENCY, "peek", 0x3C),
-                    (25 + 4 + STORE_LATENCY, "peek", 0xA5)]
+    assert seen == [(2 + STORE_LATENCY, "read", 0xA5), (5 + 2 * STORE_LATENCY, "peek", 0x3C),
+                    (11 + 3 * STORE_LATENCY, "peek", 0xA5)]

@@ -18,10 +18,9 @@ def lines(rng: random.Random, radius: int, width: int) -> Stimulus:
             yield {"valid_i": 1, "first_i": int(x == 0), "last_i": int(x == length - 1),
                    "a_i": rng.getrandbits(18), "b_i": rng.getrandbits(18)}
         if cut < length:
-            yield {"rst_i": 1, "valid_i": rng.getrandbits(1), "first_i": 1, "last_i": 1}
+            yield {"rst_i": 1, "valid_i": 1, "first_i": 1, "last_i": 1}
         for _ in range(rng.choice((0, 0, 1, radius - 1, radius, radius + 1, 3 * radius))):
-            yield {"valid_i": 0, "first_i": rng.getrandbits(1), "last_i": rng.getrandbits(1),
-                   "a_i": rng.getrandbits(18), "b_i": rng.getrandbits(18)}
+            yield {"valid_i": 0, "a_i": rng.getrandbits(18), "b_i": rng.getrandbits(18)}
     for _ in range(2 * radius):
         yield {}
 

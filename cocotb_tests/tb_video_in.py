@@ -70,7 +70,7 @@ async def reset_in_mid_frame(dut) -> None:
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """The first pixel of a line that finds everything idle comes 5 clocks after the line's last pixel went in."""
+    """The first pixel of a line that finds everything idle comes 6 clocks after the line's last pixel went in."""
     rng = random.Random(cocotb.RANDOM_SEED)
     last_in: list[int] = []
     first_out: list[int] = []

@@ -104,10 +104,11 @@ class CaptureModel:
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
         self.chosen: list[tuple[int, int] | None] = [None] * (HOPS + 1)  # the store's next, the latest first
-        self.command: tuple[bool, int, int] | None = None  # of the clock before: cancel, camera, slot
+        self.command: tuple[bool, int, int] | None = None  # of two clocks before: cancel, camera, slot
+        self.coming: tuple[bool, int, int] | None = None  # of the clock before
 
     def outputs(self) -> dict[str, int | None]:
-        """Outputs of this clock: all come from registers, among them the command of the clock before."""
+        """Outputs of this clock: all come from registers, among them the command of two clocks before."""
         arm, cancel, refused = self._decide()
         return {
             "wr_valid_o": int(self.write is not None),
@@ -154,10 +155,11 @@ class CaptureModel:
                 word=(i["word_data_i"] >> c * self.group_bits) & mask if i["word_valid_i"] >> c & 1 else None,
                 last=i["word_last_i"] >> c & 1, start=i["frame_start_i"] >> c & 1, done=i["frame_done_i"] >> c & 1,
                 abort=i["frame_abort_i"] >> c & 1, pop=pops == c)
-        self.command = None
-        if i["cmd_valid_i"] and not i["rst_i"]:
-            self.command = bool(i["cmd_cancel_i"]), i["cmd_camera_i"], i["cmd_slot_i"]
+        self.command, self.coming = self.coming, None
+        if i["cmd_valid_i"]:
+            self.coming = bool(i["cmd_cancel_i"]), i["cmd_camera_i"], i["cmd_slot_i"]
         if i["rst_i"]:
+            self.command = self.coming = None
             self.slot_valid, self.refused, self.done, self.write = 0, 0, 0, None
             self.chosen = [None] * (HOPS + 1)
         else:

@@ -64,13 +64,12 @@ class VideoInModel:
     INPUTS = ("rst_i", "tdata_i", "tvalid_i", "tuser_i", "tlast_i", "width_i", "height_i", "hold_i")
     OUTPUTS = ("tready_o", "px_valid_o", "px_data_o", "px_col_o", "px_first_o", "px_last_o", "px_out_o", "px_bottom_o",
                "px_dist_o", "px_live_o", "px_start_o", "px_done_o", "px_abort_o", "accepted_o", "dropped_o", "busy_o")
-    LATENCY = 5
+    LATENCY = 6
 
     def __init__(self, radius: int) -> None:
         self.radius = radius
-        self.px: Bits = dict.fromkeys(("px_col_o", "px_first_o", "px_last_o", "px_out_o", "px_bottom_o", "px_dist_o"))
         self.data: int | None = None
-        self.reads: list[int | None] = [None, None]
+        self.reads: list[int | None] = [None] * 3
         self._reset()
 
     def _reset(self) -> None:
@@ -83,28 +82,27 @@ class VideoInModel:
         self.tick: _Tick | None = None
         self.read: _Line | None = None
         self.out: _Output | None = None
-        self.pipe = [_Issue(), _Issue()]
+        self.pipe = [_Issue() for _ in range(3)]
         self.accepted = 0
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
-        event, shown = self.event, self.pipe[1]
-        if self.reads[1] is not None:
-            self.data = self.reads[1]
+        event, shown = self.event, self.pipe[2]
+        if self.reads[2] is not None:
+            self.data = self.reads[2]
         line = self.tick.line if self.tick else None
-        self.reads = [line.pixels[self.tick.col] if self.tick and line else None, self.reads[0]]
+        self.reads = [line.pixels[self.tick.col] if self.tick and line else None, *self.reads[:2]]
         reading = self.tick is not None and self.tick.line is not None
         ready = (len(self.ring) + reading + (event.commit is not None) != LINES
                  and not (i["hold_i"] and self.state != "active"))
         out: Bits = {
-            "tready_o": int(ready), **self.px, "px_valid_o": shown.valid, "px_data_o": self.data,
+            "tready_o": int(ready), "px_valid_o": shown.valid, "px_data_o": self.data,
+            **{f"px_{k}_o": shown.px.get(f"px_{k}_o") for k in ("col", "first", "last", "out", "bottom", "dist")},
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
             "px_abort_o": shown.abort, "accepted_o": self.accepted, "dropped_o": self.dropped,
             "busy_o": int(self.state == "active" or event.commit is not None or bool(self.ring) or
                           self.tick is not None or self.out is not None or
                           any(p.valid or p.abort for p in self.pipe))}
-        if self.pipe[0].valid:
-            self.px = {k: v for k, v in self.pipe[0].px.items() if k in self.px}
         if i["rst_i"]:
             self._reset()
             return out
@@ -117,7 +115,7 @@ class VideoInModel:
             killed.dead = True
         if event.commit:
             self.ring.append(event.commit)
-        self.pipe = [issue, self.pipe[0]]
+        self.pipe = [issue, *self.pipe[:2]]
         self.accepted = int(issue.px.get("px_done_o") or 0)
         self.event = self._receive(i) if ready and i["tvalid_i"] else _Event()
         return out
@@ -201,7 +199,7 @@ class VideoInModel:
 
 
 class PackerModel:
-    """Bits into words; the flags five clocks behind the pixel they come with. Between words the data are anything."""
+    """Bits into words; the flags six clocks behind the pixel they come with. Between words the data are anything."""
 
     INPUTS = ("rst_i", "bit_valid_i", "bit_i", "bit_last_i", "bit_start_i", "bit_done_i", "bit_abort_i")
     OUTPUTS = ("word_valid_o", "word_data_o", "word_last_o", "frame_start_o", "frame_done_o", "frame_abort_o")
@@ -213,7 +211,7 @@ class PackerModel:
     def _reset(self) -> None:
         self.bits: list[int | None] = []
         none: Bits = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
-        self.pipe = deque([none] * 5)
+        self.pipe = deque([none] * 6)
 
     def step(self, i: Mapping[str, int | None]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -246,21 +244,23 @@ class FrontendModel:
         self.video = VideoInModel(radius)
         self.log = LogModel(max_width, radius)
         self.packer = PackerModel(group_bits)
-        self.video_busy: deque[int | None] = deque([0] * 3, 3)
-        self.log_busy: deque[int | None] = deque([0] * 5, 5)
+        self.video_busy: deque[int | None] = deque([0] * 4, 4)
+        self.log_busy: deque[int | None] = deque([0] * 6, 6)
+        self.hold = 0  # of the clock before
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
-        video = self.video.step(i)
+        video = self.video.step({**i, "hold_i": self.hold})
+        self.hold = i["hold_i"]
         # Fields that are undefined here are not looked at behind.
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})
-        busy = int(any(self.video_busy) or any([*self.log_busy][:4]))
+        busy = int(any(self.video_busy) or any([*self.log_busy][:5]))
         self.video_busy.append(video["busy_o"])
         self.log_busy.append(bit["busy_o"])
         if i["rst_i"]:
-            self.video_busy.extend([0] * 3)
-            self.log_busy.extend([0] * 5)
+            self.video_busy.extend([0] * 4)
+            self.log_busy.extend([0] * 6)
         return {"tready_o": video["tready_o"], "busy_o": busy, **word,
                 "accepted_o": video["accepted_o"], "dropped_o": video["dropped_o"]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 from golden.log import ROUND_BITS, Coefs
 
@@ -79,7 +80,7 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (4 + levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (5 + levels(radius)))
         self.sum: int | None = None
 
     def step(self, i: dict[str, int]) -> Bits:
@@ -122,7 +123,7 @@ class TapsModel:
 
     def __init__(self, radius: int) -> None:
         self.radius = radius
-        self.taps: deque[_Tap] = deque([_Tap() for _ in range(2 * radius + 1)], 2 * radius + 1)  # the oldest first
+        self.taps: deque[_Tap] = deque([_Tap() for _ in range(2 * radius + 2)], 2 * radius + 2)  # the oldest first
 
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
@@ -135,7 +136,7 @@ class TapsModel:
             out |= {"a_window_o": pack([t.a for t in window], self.FIELD),
                     "b_window_o": pack([t.b for t in window], self.FIELD)}
         v = i["valid_i"]
-        taps.append(_Tap(v, v & i["first_i"], v & i["last_i"], i["a_i"], i["b_i"]))
+        taps.append(_Tap(v, i["first_i"], i["last_i"], i["a_i"], i["b_i"]))
         if i["rst_i"]:
             taps.extend([_Tap() for _ in taps])
         return out
@@ -157,7 +158,7 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 19 + radius + 2 * levels(radius)
+        self.latency = 23 + radius + 2 * levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])
@@ -176,13 +177,13 @@ class LogModel:
             "bit_valid_o": due.get("live", 0), "bit_o": self.bit, "bit_last_o": last,
             "bit_start_o": due.get("start", 0), "bit_done_o": due.get("done", 0), "bit_abort_o": due.get("abort", 0),
             "busy_o": self.busy}
-        self.busy = int(any(p["out"] or p["live"] or p["abort"] for p in (*self.pipe, due) if p))
+        self.busy = int(any(p["out"] or p["live"] or p["abort"] for p in (*islice(self.pipe, 1, None), due) if p))
         if (i["g_i"], i["g2_i"]) != self.coef_words:
             self.coef_words = (i["g_i"], i["g2_i"])
             self.kernels = (tuple(unpack(i["g_i"], 18, r + 1)), tuple(unpack(i["g2_i"], 18, r + 1)))
         self.rows.appendleft(self._take(i))
         at = self.rows.pop()
-        self.last.appendleft(i["px_last_i"])
+        self.last.appendleft(i["px_valid_i"] & i["px_out_i"] & i["px_last_i"])
         self.bit = None
         if self.pipe[-1].get("live"):
             assert at is not None
@@ -192,6 +193,7 @@ class LogModel:
             "done": i["px_done_i"], "abort": i["px_abort_i"]})
         if i["rst_i"]:
             self.pipe = deque([{} for _ in range(self.latency)])
+            self.last = deque([0] * self.latency)
             self.busy = 0
         return out
 

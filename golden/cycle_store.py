@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-STORE_LATENCY = 9
+STORE_LATENCY = 10
 """Clocks from a read to its data (rtl/slog_store_pkg.sv)."""
 
 

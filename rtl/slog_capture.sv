@@ -8,8 +8,8 @@
 // to the other is Hops plain registers on its way.
 //
 // Latency    : word to store write 5 + Hops clocks, more when both cameras bring words at once (camera 0 goes first); the
-//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command acts in the clock after it, in which
-//              armed_o and refused_o show its outcome.
+//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command acts 2 clocks after it, when armed_o and
+//              refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(
@@ -59,19 +59,29 @@ module slog_capture #(
   logic [Hops+1:0] wr_valid_q;  // bit n: a word waited n + 1 clocks ago
   logic [WordW-1:0] word;
 
-  // The command, a clock old, and whether the other camera holds its slot. Without such a slot it asks for no camera.
+  // The command, which comes from far away.
+  logic come_valid_q, come_cancel_q, come_camera_q;
+  logic [2:0] come_slot_q;
+  always_ff @(posedge clk_i) begin
+    come_valid_q  <= cmd_valid_i && !rst_i;
+    come_cancel_q <= cmd_cancel_i;
+    come_camera_q <= cmd_camera_i;
+    come_slot_q   <= cmd_slot_i;
+  end
+
+  // A clock older, and whether the other camera holds its slot. Without such a slot it asks for no camera.
   logic [Cameras-1:0] ask_q, cancel_q, ask, arm, held, free, same_q;
   logic [2:0] cmd_slot_q;
   logic cmd_valid_q, cmd_arms_q;
   logic [7:0] slot_busy_q;
   always_ff @(posedge clk_i) begin
     slot_busy_q <= slot_busy_i;
-    cmd_slot_q <= cmd_slot_i;
-    cmd_arms_q <= !cmd_cancel_i;
+    cmd_slot_q <= come_slot_q;
+    cmd_arms_q <= !come_cancel_q;
     for (int unsigned c = 0; c < Cameras; c++) begin
       same_q[c] <= 1'b0;
       for (int unsigned o = 0; o < Cameras; o++) begin
-        if (o != c) same_q[c] <= arm[o] ? cmd_slot_q == cmd_slot_i : slot[o] == cmd_slot_i;
+        if (o != c) same_q[c] <= arm[o] ? cmd_slot_q == come_slot_q : slot[o] == come_slot_q;
       end
     end
     if (rst_i) begin
@@ -79,10 +89,10 @@ module slog_capture #(
       ask_q       <= '0;
       cancel_q    <= '0;
     end else begin
-      cmd_valid_q <= cmd_valid_i;
+      cmd_valid_q <= come_valid_q;
       for (int unsigned c = 0; c < Cameras; c++) begin
-        ask_q[c]    <= cmd_valid_i && !cmd_cancel_i && 32'(cmd_camera_i) == c && 4'(cmd_slot_i) < 4'(Slots);
-        cancel_q[c] <= cmd_valid_i && cmd_cancel_i && 32'(cmd_camera_i) == c;
+        ask_q[c]    <= come_valid_q && !come_cancel_q && 32'(come_camera_q) == c && 4'(come_slot_q) < 4'(Slots);
+        cancel_q[c] <= come_valid_q && come_cancel_q && 32'(come_camera_q) == c;
       end
     end
   end

@@ -3,8 +3,8 @@
 // fold[0] = w[R],  fold[d] = w[R - d] + w[R + d]   (w = window_i, R = Radius)
 // sum_o[k] = Bias + sum over d = 0..R of coef_i[k][d] * fold[d]
 //
-// Stages     : 1 fold    then slog_fir_kernel: 2 operands    3..5 multiply    clog2(Radius + 2) levels of adders
-// Latency    : 5 + clog2(Radius + 2) clocks from valid_i, with the window, to sum_o; in other clocks it is anything.
+// Stages     : 1 fold    then slog_fir_kernel: 2 operands    3..5 multiply    clog2(Radius + 2) levels of adders, and 1
+// Latency    : 6 + clog2(Radius + 2) clocks from valid_i, with the window, to sum_o; in other clocks it is anything.
 // Throughput : one window per clock.
 // Formats    : window in fields of DataW bits, two's complement in the lower 18 of them, or if less unsigned; fold modulo
 //              2**18; coefficients 18-bit signed, constant from a valid window's clock as long as anything is under

@@ -2,8 +2,9 @@
 //
 // sum_o = Bias + sum over d = 0..Radius of coef_i[d] * fold_i[d]
 //
-// Stages     : 1 operands    2..4 multiply    then clog2(Radius + 2) levels of adders
-// Latency    : 4 + clog2(Radius + 2) clocks from fold_i to sum_o.
+// Stages     : 1 operands    2..4 multiply    then clog2(Radius + 2) levels of adders, a register before the
+//              last two: the terms come from far apart
+// Latency    : 5 + clog2(Radius + 2) clocks from fold_i to sum_o.
 // Throughput : one fold per clock.
 // Rules      : en_i is low only in clocks in which none of stages 1..3 holds anything of use. coef_i keeps its value from
 //              the clock before fold_i as long as anything is under way.
@@ -49,12 +50,12 @@ module slog_fir_kernel #(
 
   for (genvar l = 0; l < Levels; l++) begin : g_level
     for (genvar i = 0; i < terms(l + 1); i++) begin : g_node
-      logic [SumW-1:0] sum, sum_q;
+      logic [SumW-1:0] sum, sum_q, term;
       if (l > 0) begin : g_inner
         if (2 * i + 1 < terms(l)) begin : g_pair
-          assign sum = g_level[l-1].g_node[2*i].sum_q + g_level[l-1].g_node[2*i+1].sum_q;
+          assign sum = g_level[l-1].g_node[2*i].term + g_level[l-1].g_node[2*i+1].term;
         end else begin : g_single
-          assign sum = g_level[l-1].g_node[2*i].sum_q;
+          assign sum = g_level[l-1].g_node[2*i].term;
         end
       end else begin : g_leaf
         if (2 * i + 1 <= Radius) begin : g_pair
@@ -66,9 +67,16 @@ module slog_fir_kernel #(
         end
       end
       always_ff @(posedge clk_i) sum_q <= sum;
+      if (l + 3 == Levels) begin : g_far
+        logic [SumW-1:0] sum_q2;
+        always_ff @(posedge clk_i) sum_q2 <= sum_q;
+        assign term = sum_q2;
+      end else begin : g_near
+        assign term = sum_q;
+      end
     end
   end
-  assign sum_o = g_level[Levels-1].g_node[0].sum_q;
+  assign sum_o = g_level[Levels-1].g_node[0].term;
 
-  `SLOG_ASSERT_INIT(SlogFirKernelWidths, SumW <= 36 && FoldW <= 18)
+  `SLOG_ASSERT_INIT(SlogFirKernelWidths, SumW <= 36 && FoldW <= 18 && Levels > 2)
 endmodule : slog_fir_kernel

@@ -1,11 +1,11 @@
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
-// Latency    : 28 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
-//              first word of the row Radius lines above it: 118 for full, 52 for tiny.
+// Latency    : 34 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
+//              first word of the row Radius lines above it: 124 for full, 58 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
-// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out; the size
+// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i keeps new frames out, from a clock after it is up; the size
 //              not in the last clock of that. busy_o shows a frame from 2 clocks after its first beat to 1 after its end,
 //              so hold_i must have been up for a while.
 module slog_frontend #(
@@ -45,9 +45,11 @@ module slog_frontend #(
   logic             bit_valid, bit_sign, bit_last, bit_start, bit_done, bit_abort;
   logic             video_busy, log_busy;
 
-  // The size comes from far away.
+  // The size and the hold come from far away.
   logic [9:0] width_q, height_q;
+  logic       hold_q;
   always_ff @(posedge clk_i) begin
+    hold_q   <= hold_i;
     width_q  <= width_i;
     height_q <= height_i;
   end
@@ -65,7 +67,7 @@ module slog_frontend #(
       .tlast_i,
       .width_i    (width_q),
       .height_i   (height_q),
-      .hold_i,
+      .hold_i     (hold_q),
       .px_valid_o (px_valid),
       .px_data_o  (px_data),
       .px_col_o   (px_col),
@@ -132,19 +134,20 @@ module slog_frontend #(
   );
 
   // The LoG shows what has left the video in, and the packer still holds what has left the LoG, some clocks later.
-  logic video_busy_q, rest_busy_q, busy_q;
-  logic [2:0] log_busy_q;
+  logic rest_busy_q, busy_q;
+  logic [1:0] video_busy_q;
+  logic [3:0] log_busy_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      video_busy_q <= 1'b0;
+      video_busy_q <= '0;
       log_busy_q   <= '0;
       rest_busy_q  <= 1'b0;
       busy_q       <= 1'b0;
     end else begin
-      video_busy_q <= video_busy;
-      log_busy_q   <= {log_busy_q[1:0], log_busy};
-      rest_busy_q  <= video_busy_q || log_busy || log_busy_q != '0;
-      busy_q       <= video_busy || video_busy_q || rest_busy_q;
+      video_busy_q <= {video_busy_q[0], video_busy};
+      log_busy_q   <= {log_busy_q[2:0], log_busy};
+      rest_busy_q  <= video_busy_q != '0 || log_busy || log_busy_q != '0;
+      busy_q       <= video_busy || video_busy_q != '0 || rest_busy_q;
     end
   end
   assign busy_o = busy_q;

@@ -3,10 +3,11 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
 // past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : line buffer 7, vertical FIR 5 + L, window Radius + 1, horizontal FIR 5 + L, sum 1; L = clog2(Radius + 2)
-// Latency    : 19 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 45 at radius 16, 35 at radius 8.
-//              busy_o shows a pixel or an abort from 2 clocks after it comes to 1 after it leaves.
-// Throughput : one pixel per clock, whole lines in consecutive clocks.
+// Stages     : way to the lines 1, line buffer 7, vertical FIR 6 + L, window Radius + 2, horizontal FIR 6 + L, sum 1;
+//              L = clog2(Radius + 2)
+// Latency    : 23 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 49 at radius 16, 39 at radius 8.
+//              busy_o shows a pixel or an abort from 3 clocks after it comes to 1 after it leaves.
+// Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
 module slog_log #(
     parameter  int unsigned MaxWidth = 48,
@@ -14,7 +15,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 19 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 23 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -40,26 +41,44 @@ module slog_log #(
     output logic                  bit_abort_o,
     output logic                  busy_o
 );
-  localparam int unsigned FirLatency = 5 + Levels;
-  localparam int unsigned ToVertical = 7;
+  localparam int unsigned FirLatency = 6 + Levels;
+  localparam int unsigned ToVertical = 8;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap
   localparam int unsigned SumH       = 36;
   localparam int unsigned LeftW      = $clog2(Latency + 1);
 
-  // What goes along with the pixels. [k]: k + 1 clocks after px_*.
-  logic [ToTaps-1:0]  out_q, first_q;
-  logic [Latency-1:0] last_q, live_q, start_q, done_q, abort_q;
-  logic [LeftW-1:0]   left_q;  // clocks until the last that came has left
-  logic               come, busy_q;
+  // The pixels come from far away.
+  logic             px_valid_q, px_first_q, px_last_q, px_out_q, px_bottom_q;
+  logic [7:0]       px_data_q;
+  logic [ColW-1:0]  px_col_q;
+  logic [DistW-1:0] px_dist_q;
+  always_ff @(posedge clk_i) begin
+    px_valid_q  <= px_valid_i && !rst_i;
+    px_data_q   <= px_data_i;
+    px_col_q    <= px_col_i;
+    px_first_q  <= px_first_i;
+    px_last_q   <= px_last_i;
+    px_out_q    <= px_out_i;
+    px_bottom_q <= px_bottom_i;
+    px_dist_q   <= px_dist_i;
+  end
 
-  assign come = (px_valid_i && px_out_i) || px_live_i || px_abort_i;
+  // What goes along with the pixels under an output row. [k]: k + 1 clocks after px_*.
+  logic [ToTaps-1:1]  out_q, first_q;
+  logic [Latency-1:1] last_q;
+  logic [Latency-1:0] live_q, start_q, done_q, abort_q;
+  logic [LeftW-1:0]   left_q;  // clocks until the last that came has left
+  logic               out, come, busy_q;
+
+  assign out  = px_valid_q && px_out_q;
+  assign come = out || live_q[0] || abort_q[0];
 
   always_ff @(posedge clk_i) begin
-    first_q <= {first_q[ToTaps-2:0], px_first_i};
-    last_q  <= {last_q[Latency-2:0], px_last_i};
     if (rst_i) begin
       out_q   <= '0;
+      first_q <= '0;
+      last_q  <= '0;
       live_q  <= '0;
       start_q <= '0;
       done_q  <= '0;
@@ -67,13 +86,15 @@ module slog_log #(
       left_q  <= '0;
       busy_q  <= 1'b0;
     end else begin
-      out_q   <= {out_q[ToTaps-2:0], px_valid_i && px_out_i};
+      out_q   <= {out_q[ToTaps-2:1], out};
+      first_q <= {first_q[ToTaps-2:1], out && px_first_q};
+      last_q  <= {last_q[Latency-2:1], out && px_last_q};
       live_q  <= {live_q[Latency-2:0], px_live_i};
       start_q <= {start_q[Latency-2:0], px_start_i};
       done_q  <= {done_q[Latency-2:0], px_done_i};
       abort_q <= {abort_q[Latency-2:0], px_abort_i};
       busy_q  <= left_q != '0;
-      if (come) left_q <= LeftW'(Latency);
+      if (come) left_q <= LeftW'(Latency - 1);
       else if (left_q != '0) left_q <= left_q - 1'b1;
     end
   end
@@ -85,11 +106,11 @@ module slog_log #(
   ) u_lines (
       .clk_i,
       .rst_i,
-      .valid_i (px_valid_i),
-      .px_i    (px_data_i),
-      .col_i   (px_col_i),
-      .bottom_i(px_bottom_i),
-      .dist_i  (px_dist_i),
+      .valid_i (px_valid_q),
+      .px_i    (px_data_q),
+      .col_i   (px_col_q),
+      .bottom_i(px_bottom_q),
+      .dist_i  (px_dist_q),
       .window_o(column)
   );
 

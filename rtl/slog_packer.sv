@@ -3,8 +3,8 @@
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
 // word_last_o count only with word_valid_o.
 //
-// Stages     : 1 as it comes    2 pixel and its place    3 to 5 slog_packer_slice: the word so far
-// Latency    : 5 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 5 clocks behind
+// Stages     : 1 as it comes    2 pixel and its place    3 on their way    4 to 6 slog_packer_slice: the word so far
+// Latency    : 6 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 6 clocks behind
 //              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; the sink takes every word.
 `include "slog_assert.svh"
@@ -38,9 +38,12 @@ module slog_packer #(
   logic              fresh_q, end_q;  // the word's first, last place
   logic [Slices-1:0] begin_q;         // [s]: the first place of slice s
   logic              anew_q;          // the next pixel is a word's first, whatever came
-  logic [4:0]        last_q;
-  logic [4:2]        full_q;          // [k]: after k + 1 stages, a word is complete
-  logic [4:0]        start_q, done_q, abort_q;
+  logic [5:0]        last_q;
+  logic [5:2]        full_q;          // [k]: after k + 1 stages, a word is complete
+  logic [5:0]        start_q, done_q, abort_q;
+  // Pixel and place on their way to the slices, which lie far apart.
+  logic              valid_q3, blank_q3, fresh_q2;
+  logic [Slices-1:0] begin_q2;
   logic              full, restart;
 
   assign full    = valid_q2 && (last_q[1] || end_q);
@@ -49,7 +52,11 @@ module slog_packer #(
   always_ff @(posedge clk_i) begin
     dark_q   <= !bit_i;
     blank_q2 <= !valid_q || dark_q;
-    last_q   <= {last_q[3:0], bit_last_i};
+    last_q   <= {last_q[4:0], bit_last_i};
+    valid_q3 <= valid_q2;
+    blank_q3 <= blank_q2;
+    fresh_q2 <= fresh_q;
+    begin_q2 <= begin_q;
     if (restart) place_q <= '0;
     else if (valid_q2) place_q <= place_q + 1'b1;
     fresh_q <= restart || (!valid_q2 && fresh_q);
@@ -70,10 +77,10 @@ module slog_packer #(
       anew_q   <= abort_q[0];
       valid_q  <= bit_valid_i;
       valid_q2 <= valid_q;
-      full_q   <= {full_q[3:2], full};
-      start_q  <= {start_q[3:0], bit_start_i};
-      done_q   <= {done_q[3:0], bit_done_i};
-      abort_q  <= {abort_q[3:0], bit_abort_i};
+      full_q   <= {full_q[4:2], full};
+      start_q  <= {start_q[4:0], bit_start_i};
+      done_q   <= {done_q[4:0], bit_done_i};
+      abort_q  <= {abort_q[4:0], bit_abort_i};
     end
   end
 
@@ -82,19 +89,19 @@ module slog_packer #(
         .Bits(SliceBits)
     ) u_slice (
         .clk_i,
-        .valid_i(valid_q2),
-        .blank_i(blank_q2),
-        .fresh_i(fresh_q),
-        .begin_i(begin_q[s]),
+        .valid_i(valid_q3),
+        .blank_i(blank_q3),
+        .fresh_i(fresh_q2),
+        .begin_i(begin_q2[s]),
         .word_o (word_data_o[SliceBits*s+:SliceBits])
     );
   end
 
-  assign word_valid_o  = full_q[4];
-  assign word_last_o   = last_q[4];
-  assign frame_start_o = start_q[4];
-  assign frame_done_o  = done_q[4];
-  assign frame_abort_o = abort_q[4];
+  assign word_valid_o  = full_q[5];
+  assign word_last_o   = last_q[5];
+  assign frame_start_o = start_q[5];
+  assign frame_done_o  = done_q[5];
+  assign frame_abort_o = abort_q[5];
 
   `SLOG_ASSERT_INIT(SlogPackerSlices, GroupBits % SliceBits == 0 && SliceBits > 1)
   `SLOG_ASSERT(SlogPackerAbortAlone, !(bit_abort_i && bit_valid_i))

@@ -2,11 +2,11 @@
 //
 //   stage  registers
 //   1      read and write: which bank, where, what
-//   2      the same, on its way; a write once more
-//   3..8   slog_store_slice, one for each SliceW bits, so that no net is wide and long at once; a write a clock later
-//   9      rd_data_o, peek_data_o, on their way
-// Latency    : rd_valid_i to rd_data_o 9 clocks (slog_store_pkg::StoreLatency); the data stay until the next read's.
-//              A peek takes 10 clocks from peek_valid_i && peek_ready_o to peek_done_o, and waits while rd_valid_i is high.
+//   2      a write on its way
+//   2..8   slog_store_slice, one for each SliceW bits, so that no net is wide and long at once; a write a clock later
+//   9, 10  rd_data_o, peek_data_o, on their way
+// Latency    : rd_valid_i to rd_data_o 10 clocks (slog_store_pkg::StoreLatency); the data stay until the next read's.
+//              A peek takes 11 clocks from peek_valid_i && peek_ready_o to peek_done_o, and waits while rd_valid_i is high.
 // Throughput : one read and one write per clock; one peek at a time.
 // Rule       : a word must not be read in the clock after it is written; in the same clock the old word is read, two
 //              clocks later the new. peek_data_o is valid with peek_done_o.
@@ -70,24 +70,20 @@ module slog_store
   end
 
   // Between here and the slices, which lie all over the device, there is no logic.
-  logic [Banks-1:0] wr_en, rd_en, wr_en_q, wr_en_q2, wr_en_q3, rd_en_q, rd_en_q2;
-  logic [BankAddrW-1:0] wr_addr_q, wr_addr_q2, wr_addr_q3, rd_addr_q, rd_addr_q2;
-  logic [Width-1:0] wr_data_q, wr_data_q2, wr_data_q3, data, data_q;
+  logic [Banks-1:0] wr_en, rd_en, wr_en_q, wr_en_q2, rd_en_q;
+  logic [BankAddrW-1:0] wr_addr_q, wr_addr_q2, rd_addr_q;
+  logic [Width-1:0] wr_data_q, wr_data_q2, data, data_q, data_q2;
   always_ff @(posedge clk_i) begin
     wr_en_q    <= wr_en;
     wr_en_q2   <= wr_en_q;
-    wr_en_q3   <= wr_en_q2;
     wr_addr_q  <= wr_addr_i[BankAddrW-1:0];
     wr_addr_q2 <= wr_addr_q;
-    wr_addr_q3 <= wr_addr_q2;
     wr_data_q  <= wr_data_i;
     wr_data_q2 <= wr_data_q;
-    wr_data_q3 <= wr_data_q2;
     rd_en_q    <= rd_en;
-    rd_en_q2   <= rd_en_q;
     rd_addr_q  <= rd_addr[BankAddrW-1:0];
-    rd_addr_q2 <= rd_addr_q;
     data_q     <= data;
+    data_q2    <= data_q;
   end
   if (Banks > 1) begin : g_bank
     for (genvar b = 0; b < Banks; b++) begin : g_en
@@ -106,21 +102,21 @@ module slog_store
         .BankWords(BankWords)
     ) u_slice (
         .clk_i,
-        .wr_en_i  (wr_en_q3),
-        .wr_addr_i(wr_addr_q3),
-        .wr_data_i(wr_data_q3[s*SliceBits+:SliceBits]),
-        .rd_en_i  (rd_en_q2),
-        .rd_addr_i(rd_addr_q2),
+        .wr_en_i  (wr_en_q2),
+        .wr_addr_i(wr_addr_q2),
+        .wr_data_i(wr_data_q2[s*SliceBits+:SliceBits]),
+        .rd_en_i  (rd_en_q),
+        .rd_addr_i(rd_addr_q),
         .data_o   (data[s*SliceBits+:SliceBits])
     );
   end
-  assign rd_data_o   = data_q;
-  assign peek_data_o = data_q;
+  assign rd_data_o   = data_q2;
+  assign peek_data_o = data_q2;
 
   `SLOG_ASSERT(SlogStorePeek, peek_ready_q == !(peek_pending_q || peek_at_q[StoreLatency-2:0] != '0))
   `SLOG_ASSERT_INIT(SlogStoreSlicesFit, Slices * SliceBits == Width)
   `SLOG_ASSERT_INIT(SlogStoreBankPower, Banks == 1 || BankWords == 2 ** BankAddrW)
-  `SLOG_ASSERT_INIT(SlogStoreLatency, StoreLatency == 9)
+  `SLOG_ASSERT_INIT(SlogStoreLatency, StoreLatency == 10)
   `SLOG_ASSERT(SlogStoreAddress, !rd_valid_i || rd_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
   `SLOG_ASSERT(SlogStoreReadNotWrite, wr_valid_i |=> !(rd_valid_i && rd_addr_i == $past(wr_addr_i)))
 endmodule : slog_store

@@ -1,12 +1,12 @@
 // A few bits of every word of the bit-plane store, with address registers of their own.
 //
 //   stage  registers
-//   1      address and write data
-//   2      the same for each bank by itself
-//   3, 4   block RAM and its output register (slog_ram)
-//   5      each bank's word, on its way from the block RAMs
-//   6      bank multiplexer
-// Latency    : rd_en_i to data_o 6 clocks, which stays until the next read's.
+//   1, 2   address and write data, on their way to the block RAMs
+//   3      the same for each bank by itself
+//   4, 5   block RAM and its output register (slog_ram)
+//   6      each bank's word, on its way from the block RAMs
+//   7      bank multiplexer
+// Latency    : rd_en_i to data_o 7 clocks, which stays until the next read's.
 // Throughput : one read and one write per clock.
 // Rule       : a word must not be read in the clock in which it is written.
 module slog_store_slice #(
@@ -24,37 +24,42 @@ module slog_store_slice #(
     input  logic [AddrW-1:0] rd_addr_i,
     output logic [Width-1:0] data_o
 );
-  logic [AddrW-1:0] rd_addr_q, wr_addr_q;
-  logic [Width-1:0] wr_data_q, data_q;
-  logic [Banks-1:0] wr_en_q, wr_en_q2, rd_en_q, rd_en_q2, rd_en_q3, rd_en_q4, rd_en_q5;
+  logic [AddrW-1:0] rd_addr_q, rd_addr_q2, wr_addr_q, wr_addr_q2;
+  logic [Width-1:0] wr_data_q, wr_data_q2, data_q;
+  logic [Banks-1:0] wr_en_q, wr_en_q2, wr_en_q3, rd_en_q, rd_en_q2, rd_en_q3, rd_en_q4, rd_en_q5, rd_en_q6;
   logic [Banks-1:0][Width-1:0] bank_data, bank_data_q;
   logic [Width-1:0] chosen;
 
   always_ff @(posedge clk_i) begin
-    wr_en_q   <= wr_en_i;
-    wr_en_q2  <= wr_en_q;
-    wr_addr_q <= wr_addr_i;
-    wr_data_q <= wr_data_i;
-    rd_en_q   <= rd_en_i;
-    rd_addr_q <= rd_addr_i;
-    rd_en_q2  <= rd_en_q;
-    rd_en_q3  <= rd_en_q2;
-    rd_en_q4  <= rd_en_q3;
-    rd_en_q5  <= rd_en_q4;
-    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q4[b]) bank_data_q[b] <= bank_data[b];
-    if (rd_en_q5 != '0) data_q <= chosen;
+    wr_en_q    <= wr_en_i;
+    wr_en_q2   <= wr_en_q;
+    wr_en_q3   <= wr_en_q2;
+    wr_addr_q  <= wr_addr_i;
+    wr_addr_q2 <= wr_addr_q;
+    wr_data_q  <= wr_data_i;
+    wr_data_q2 <= wr_data_q;
+    rd_en_q    <= rd_en_i;
+    rd_en_q2   <= rd_en_q;
+    rd_en_q3   <= rd_en_q2;
+    rd_en_q4   <= rd_en_q3;
+    rd_en_q5   <= rd_en_q4;
+    rd_en_q6   <= rd_en_q5;
+    rd_addr_q  <= rd_addr_i;
+    rd_addr_q2 <= rd_addr_q;
+    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q5[b]) bank_data_q[b] <= bank_data[b];
+    if (rd_en_q6 != '0) data_q <= chosen;
   end
 
   for (genvar b = 0; b < Banks; b++) begin : g_bank
     localparam int unsigned Depth = (b == Banks - 1) ? Words - b * BankWords : BankWords;
     localparam int unsigned DepthW = $clog2(Depth);
-    logic [DepthW-1:0] rd_addr_q2, wr_addr_q2;
-    logic [Width-1:0] wr_data_q2;
+    logic [DepthW-1:0] rd_addr_q3, wr_addr_q3;
+    logic [Width-1:0] wr_data_q3;
     always_ff @(posedge clk_i) begin
-      if (rd_en_q[b]) rd_addr_q2 <= rd_addr_q[DepthW-1:0];
-      if (wr_en_q[b]) begin
-        wr_addr_q2 <= wr_addr_q[DepthW-1:0];
-        wr_data_q2 <= wr_data_q;
+      if (rd_en_q2[b]) rd_addr_q3 <= rd_addr_q2[DepthW-1:0];
+      if (wr_en_q2[b]) begin
+        wr_addr_q3 <= wr_addr_q2[DepthW-1:0];
+        wr_data_q3 <= wr_data_q2;
       end
     end
     slog_ram #(
@@ -62,18 +67,18 @@ module slog_store_slice #(
         .Depth(Depth)
     ) u_ram (
         .clk_i,
-        .wr_en_i  (wr_en_q2[b]),
-        .wr_addr_i(wr_addr_q2),
-        .wr_data_i(wr_data_q2),
-        .rd_en_i  (rd_en_q2[b]),
-        .rd_addr_i(rd_addr_q2),
+        .wr_en_i  (wr_en_q3[b]),
+        .wr_addr_i(wr_addr_q3),
+        .wr_data_i(wr_data_q3),
+        .rd_en_i  (rd_en_q3[b]),
+        .rd_addr_i(rd_addr_q3),
         .rd_data_o(bank_data[b])
     );
   end
 
   always_comb begin
     chosen = '0;
-    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q5[b]) chosen = bank_data_q[b];
+    for (int unsigned b = 0; b < Banks; b++) if (rd_en_q6[b]) chosen = bank_data_q[b];
   end
   assign data_o = data_q;
 endmodule : slog_store_slice

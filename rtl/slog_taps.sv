@@ -7,7 +7,7 @@
 // places with that value, newer ones from a shift register of the line's next values. When the last value has come,
 // its newest place stays as it is.
 //
-// Latency    : Radius + 1 clocks from valid_i to valid_o with that pixel in the centre.
+// Latency    : Radius + 2 clocks from valid_i to valid_o with that pixel in the centre.
 // Throughput : one pixel per clock. A line's pixels come in consecutive clocks, at least 2 * Radius + 2 of them;
 //              between lines any pause is allowed.
 // Formats    : opaque values of DataW <= 32 bits, in the windows filled up to 32 with zeros; without valid_o a window is
@@ -17,13 +17,13 @@ module slog_taps #(
     parameter  int unsigned Radius  = 8,
     parameter  int unsigned DataW   = 18,
     localparam int unsigned Taps    = 2 * Radius + 1,
-    localparam int unsigned Latency = Radius + 1
+    localparam int unsigned Latency = Radius + 2
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
     input  logic                  valid_i,
-    input  logic                  first_i,     // first pixel of a line
-    input  logic                  last_i,
+    input  logic                  first_i,     // first pixel of a line, with valid_i
+    input  logic                  last_i,      // last, with valid_i
     input  logic [DataW-1:0]      a_i,
     input  logic [DataW-1:0]      b_i,
     output logic                  valid_o,     // the centre is a pixel
@@ -43,7 +43,6 @@ module slog_taps #(
   ) u_a (
       .clk_i,
       .rst_i,
-      .valid_i,
       .first_i,
       .last_i,
       .data_i  (a_i),
@@ -56,7 +55,6 @@ module slog_taps #(
   ) u_b (
       .clk_i,
       .rst_i,
-      .valid_i,
       .first_i,
       .last_i,
       .data_i  (b_i),
@@ -64,4 +62,5 @@ module slog_taps #(
   );
 
   `SLOG_ASSERT_INIT(SlogTapsWidth, DataW <= 32)
+  `SLOG_ASSERT(SlogTapsEnds, first_i || last_i |-> valid_i)
 endmodule : slog_taps

@@ -6,7 +6,7 @@
 // through these and, behind the centre, from the slice before's oldest on. Entering, the newer places take the line's next
 // values from next_o, where these come along, and the older ones its first value, caught as that came along.
 //
-// Latency    : enter_i to the loaded places 3 clocks.
+// Latency    : enter_i to the loaded places 4 clocks.
 // Throughput : one value per clock.
 // Formats    : opaque values of DataW bits, in fields of 32 bits: machine words, which simulate fast.
 `include "slog_assert.svh"
@@ -16,7 +16,7 @@ module slog_taps_slice #(
 ) (
     input  logic                    clk_i,
     input  logic                    enter_i,
-    input  logic                    first_i,  // next_o[Places-1] is a line's first value
+    input  logic                    first_i,  // next_i is a line's first value
     input  logic [DataW-1:0]        next_i,
     input  logic [DataW-1:0]        newer_i,
     input  logic [DataW-1:0]        older_i,
@@ -24,18 +24,19 @@ module slog_taps_slice #(
     output logic [Places-1:0][31:0] newer_o,
     output logic [Places-1:0][31:0] older_o
 );
-  logic enter_q, enter_q2;
-  logic [1:0] caught_q;  // [k]: next_q[Places-2-k] is a line's first value
+  logic enter_q, enter_q2, enter_q3;
+  logic [2:0] caught_q;  // [k]: next_q[Places-1-k] is a line's first value
   logic [Places-1:0][31:0] next_q, newer_q, older_q;
   logic [31:0] first_q;
 
   always_ff @(posedge clk_i) begin
     enter_q  <= enter_i;
     enter_q2 <= enter_q;
+    enter_q3 <= enter_q2;
     next_q   <= {32'(next_i), next_q[Places-1:1]};
-    caught_q <= {caught_q[0], first_i};
-    if (caught_q[1]) first_q <= next_q[Places-3];
-    if (enter_q2) begin
+    caught_q <= {caught_q[1:0], first_i};
+    if (caught_q[2]) first_q <= next_q[Places-3];
+    if (enter_q3) begin
       newer_q <= next_q;
       older_q <= {Places{first_q}};
     end else begin

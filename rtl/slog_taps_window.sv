@@ -9,7 +9,6 @@ module slog_taps_window #(
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
-    input  logic                  valid_i,
     input  logic                  first_i,
     input  logic                  last_i,
     input  logic [DataW-1:0]      data_i,
@@ -18,18 +17,22 @@ module slog_taps_window #(
   localparam int unsigned Places = 4;
   localparam int unsigned Slices = Radius / Places;
 
-  logic [Radius-2:0] first_q;  // [k]: the value k + 1 clocks old is a line's first
-  logic              past_q;   // the newest place keeps a line's last value
-  logic [DataW-1:0]  newest_q;
+  // The slices lie far apart: what loads them travels while the values wait a clock.
+  logic [Radius-2:0] first_q;          // [k]: the value k + 1 clocks old is a line's first
+  logic              past_q, past_q2;  // the newest place keeps a line's last value, from the next clock on; now
+  logic [DataW-1:0]  data_q, newest_q;
 
   always_ff @(posedge clk_i) begin
-    if (!past_q) newest_q <= data_i;
+    data_q <= data_i;
+    if (!past_q2) newest_q <= data_q;
     if (rst_i) begin
       first_q <= '0;
       past_q  <= 1'b0;
+      past_q2 <= 1'b0;
     end else begin
-      first_q <= {first_q[Radius-3:0], valid_i && first_i};
-      past_q  <= (valid_i && last_i) || (past_q && !first_q[Radius-2]);
+      first_q <= {first_q[Radius-3:0], first_i};
+      past_q  <= last_i || (past_q && !first_q[Radius-2]);
+      past_q2 <= past_q;
     end
   end
 
@@ -37,7 +40,7 @@ module slog_taps_window #(
     logic [DataW-1:0] next, newer, older, next_out;
     logic [Places-1:0][31:0] newer_out, older_out;
     if (s == Slices - 1) begin : g_newest
-      assign next  = data_i;
+      assign next  = data_q;
       assign newer = newest_q;
     end else begin : g_newer
       assign next  = g_slice[s+1].next_out;

@@ -4,14 +4,15 @@
 // behind works on uninterrupted lines. Output row r of a frame is computed while row r + Radius is issued. A frame's
 // last Radius rows come out under the next frame's first lines or, while no frame is received, under filler lines.
 //
-// Stages     : 1 beat judged    2 line event    3 line started, pixel written    4, 5 ring read
-// Latency    : last pixel of a line accepted in clock t: its first pixel comes (px_valid_o) in clock t + 5, if idle.
+// Stages     : 1 beat judged    2 line event    3 line started, pixel's address    4 way to the ring    5, 6 ring
+// Latency    : last pixel of a line accepted in clock t: its first pixel comes (px_valid_o) in clock t + 6, if idle.
 //              dropped_o comes 2 clocks after the beat that tells.
 // Throughput : one pixel per clock, no blanking. tready_o is low only while the ring is full or,
 //              between frames, in hold_i.
 // Frames     : a line that ends early or late, a start of frame before the last line's end, a pixel without start of
 //              frame behind the last line: the frame is dropped whole, unless its last pixel has been issued already.
 //              Then pixels are ignored up to the next start of frame. A dropped frame, or run of strays, counts once.
+// Pixels     : without px_valid_o what describes the pixel is anything, but for the flags from px_live_o on.
 // Border     : px_dist_o rows from the border row to the output row: the last row when px_bottom_o, else the first;
 //              Radius = border out of reach.
 `include "slog_assert.svh"
@@ -120,25 +121,30 @@ module slog_video_in #(
   // ---- Writer: one clock behind the beats. What it counts is needed again no sooner than in a line's next to last pixel.
   logic [9:0]       left_q, wr_row_q;  // pixels of the line to come after the next one
   logic             end_0_q, end_1_q;  // the next pixel is the last but one: if none comes in this clock; if one does
-  logic             near_end, first_row_q, wr_en_q, wr_en_q2;
+  logic             near_end, first_row_q, wr_en_q, wr_en_q2, wr_en_q3;
   logic [1:0]       wr_line_q;
-  logic [7:0]       wr_data_q, wr_data_q2;
-  logic [AddrW-1:0] wr_addr_q, wr_addr_q2;  // of the next pixel that starts no frame; on its way to the ring
+  logic [7:0]       wr_data_q, wr_data_q2, wr_data_q3;
+  // Addresses are a clock later than the counters: the ring may lie far away.
+  logic             start_q2, jump_q2;       // the pixel starts a frame; the next one's address does not follow
+  logic [AddrW-1:0] base_q2, target_q2;      // of the frame's first pixel; of that next one
+  logic [AddrW-1:0] wr_addr_q2, wr_addr_q3;  // of the pixel, if it starts no frame; on its way to the ring
 
   assign near_end = !event_start_q && (wr_en_q ? end_1_q : end_0_q);
 
   always_ff @(posedge clk_i) begin
     wr_data_q  <= tdata_i;
     wr_data_q2 <= wr_data_q;
-    wr_addr_q2 <= event_start_q ? base(wr_line_q) : wr_addr_q;
+    wr_data_q3 <= wr_data_q2;
+    start_q2   <= event_start_q;
+    jump_q2    <= event_start_q || event_commit_q;
+    base_q2    <= base(wr_line_q);
+    target_q2  <= event_start_q ? base(wr_line_q) + 1'b1 : base(next_line(wr_line_q));
+    wr_addr_q3 <= start_q2 ? base_q2 : wr_addr_q2;
+    if (wr_en_q2) wr_addr_q2 <= jump_q2 ? target_q2 : wr_addr_q2 + 1'b1;
     event_last_q <= tlast_i;
     end_0_q <= !event_start_q && (wr_en_q ? left_q == 10'd2 : left_q == 10'd1);
     end_1_q <= !event_start_q && (wr_en_q ? left_q == 10'd3 : left_q == 10'd2);
-    if (wr_en_q) begin
-      left_q    <= event_start_q ? col_second_q : event_commit_q ? col_last_q : left_q - 10'd1;
-      wr_addr_q <= event_start_q ? base(wr_line_q) + 1'b1
-                   : event_commit_q ? base(next_line(wr_line_q)) : wr_addr_q + 1'b1;
-    end
+    if (wr_en_q) left_q <= event_start_q ? col_second_q : event_commit_q ? col_last_q : left_q - 10'd1;
     if (event_start_q) wr_row_q <= '0;
     else if (event_commit_q) wr_row_q <= wr_row_q + 1'b1;
     last_row_q <= wr_row_q == row_last_q;
@@ -148,11 +154,13 @@ module slog_video_in #(
       at_end_q  <= 1'b0;
       wr_en_q   <= 1'b0;
       wr_en_q2  <= 1'b0;
+      wr_en_q3  <= 1'b0;
       wr_line_q <= '0;
     end else begin
       if (come) at_end_q <= near_end && active_q && !tuser_i && !tlast_i;
       wr_en_q  <= wr_en;
       wr_en_q2 <= wr_en_q;
+      wr_en_q3 <= wr_en_q2;
       if (event_commit_q) wr_line_q <= next_line(wr_line_q);
     end
   end
@@ -284,18 +292,21 @@ module slog_video_in #(
     end
   end
 
-  // ---- Issue: the ring's two clocks of latency carry the line's description along. The border's place follows in the second.
+  // ---- Issue: the way to the ring and its two clocks of latency carry the line's description along. The border's place
+  // follows in the second.
   typedef struct packed {
     logic            first;
     logic            last;
     logic            out;
     logic [ColW-1:0] col;
   } issue_t;
-  issue_t           issue, issue_q, issue_q2;
-  logic             bottom_q2;
-  logic [DistW-1:0] away_q2;
-  logic             line_out_q, line_out, valid_q, valid_q2, live, live_q, live_q2, start, start_q, start_q2;
-  logic             done, done_q, done_q2, abort, abort_q, abort_q2;
+  issue_t           issue, issue_q, issue_q2, issue_q3;
+  logic             bottom_q2, bottom_q3;
+  logic [DistW-1:0] away_q2, away_q3;
+  logic             line_out_q, line_out, live, start, done, abort;
+  logic [2:0]       valid_q, live_q, out_start_q, done_q, abort_q;  // [k]: k + 1 clocks later
+  logic             ring_en_q;    // a line's pixel is read, on its way to the ring
+  logic [AddrW-1:0] ring_addr_q;
   logic             under_way_q;  // a pixel or an abort in these stages
 
   // A line keeps computing when its frame dies half-way along it, so the filters always see whole lines.
@@ -317,25 +328,30 @@ module slog_video_in #(
       line_out_q <= line_out;
       issue_q    <= issue;
     end
-    if (valid_q) begin
-      issue_q2  <= issue_q;
+    issue_q2 <= issue_q;
+    issue_q3 <= issue_q2;
+    if (valid_q[0]) begin
       bottom_q2 <= out_bottom_q;
       away_q2   <= out_bottom_q ? DistW'(out_left_q) : out_top_q;
     end
+    bottom_q3   <= bottom_q2;
+    away_q3     <= away_q2;
+    ring_en_q   <= reading_q;
+    ring_addr_q <= rd_addr_q;
     if (rst_i) begin
-      {valid_q, valid_q2} <= '0;
-      {live_q, live_q2}   <= '0;
-      {start_q, start_q2} <= '0;
-      {done_q, done_q2}   <= '0;
-      {abort_q, abort_q2} <= '0;
-      under_way_q         <= 1'b0;
+      valid_q     <= '0;
+      live_q      <= '0;
+      out_start_q <= '0;
+      done_q      <= '0;
+      abort_q     <= '0;
+      under_way_q <= 1'b0;
     end else begin
-      {valid_q, valid_q2} <= {rd_active_q, valid_q};
-      {live_q, live_q2}   <= {live, live_q};
-      {start_q, start_q2} <= {start, start_q};
-      {done_q, done_q2}   <= {done, done_q};
-      {abort_q, abort_q2} <= {abort, abort_q};
-      under_way_q         <= rd_active_q || valid_q || abort || abort_q;
+      valid_q     <= {valid_q[1:0], rd_active_q};
+      live_q      <= {live_q[1:0], live};
+      out_start_q <= {out_start_q[1:0], start};
+      done_q      <= {done_q[1:0], done};
+      abort_q     <= {abort_q[1:0], abort};
+      under_way_q <= rd_active_q || abort || valid_q[1:0] != '0 || abort_q[1:0] != '0;
     end
   end
 
@@ -344,26 +360,26 @@ module slog_video_in #(
       .Depth(Depth)
   ) u_ring (
       .clk_i,
-      .wr_en_i  (wr_en_q2),
-      .wr_addr_i(wr_addr_q2),
-      .wr_data_i(wr_data_q2),
-      .rd_en_i  (reading_q),
-      .rd_addr_i(rd_addr_q),
+      .wr_en_i  (wr_en_q3),
+      .wr_addr_i(wr_addr_q3),
+      .wr_data_i(wr_data_q3),
+      .rd_en_i  (ring_en_q),
+      .rd_addr_i(ring_addr_q),
       .rd_data_o(px_data_o)
   );
 
-  assign px_valid_o  = valid_q2;
-  assign px_col_o    = issue_q2.col;
-  assign px_first_o  = issue_q2.first;
-  assign px_last_o   = issue_q2.last;
-  assign px_out_o    = issue_q2.out;
-  assign px_bottom_o = bottom_q2;
-  assign px_dist_o   = away_q2;
-  assign px_live_o   = live_q2;
-  assign px_start_o  = start_q2;
-  assign px_done_o   = done_q2;
-  assign px_abort_o  = abort_q2;
-  assign accepted_o  = done_q;
+  assign px_valid_o  = valid_q[2];
+  assign px_col_o    = issue_q3.col;
+  assign px_first_o  = issue_q3.first;
+  assign px_last_o   = issue_q3.last;
+  assign px_out_o    = issue_q3.out;
+  assign px_bottom_o = bottom_q3;
+  assign px_dist_o   = away_q3;
+  assign px_live_o   = live_q[2];
+  assign px_start_o  = out_start_q[2];
+  assign px_done_o   = done_q[2];
+  assign px_abort_o  = abort_q[2];
+  assign accepted_o  = done_q[0];
   assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q || under_way_q;
 
   // Counters that follow a clock later need lines of some length.
@@ -378,7 +394,7 @@ module slog_video_in #(
   `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&
                                  abort == (out_kill && !starts_q))
-  `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q || valid_q2 || abort_q || abort_q2))
+  `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q != '0 || abort_q != '0))
   `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
   `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
   `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active && !ended_q && !out_kill))
