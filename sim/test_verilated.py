@@ -205,6 +205,10 @@ def test_full_frames_and_jobs(full: Device) -> None:
 
 def test_full_utilisation(full: Device) -> None:
     """At least nine of ten clocks of +-32 searches of 64x64 windows yield a score, loading included."""
+    picture = np.ascontiguousarray(data.gravel()[:480, :512])
+    set_up(full, 2.0, (512, 480))
+    full.capture({0: 0}, {0: picture})
+    full.capture({0: 2}, {0: picture})
     before = full.counters()
     full.submit([Job(0, 100 + 9 * k, 80 + 7 * k, 64, 64, 2, 68 + 9 * k, 48 + 7 * k, 65, 65, k) for k in range(12)])
     assert all(r.status is Status.OK for r in full.collect(12))
