@@ -240,7 +240,7 @@ async def scenario(dut, script, video: str = "none", sink: str = "none", bus: st
     rng = random.Random(cocotb.RANDOM_SEED)
     host = Host(TINY, rng, video, sink, bus)
     clocks = await check_cycles(dut, BoardModel(TINY, fields()), host.play(script(host)),
-                                reset_clocks=RESET_DELAY + 2)  # and the hold's registers follow
+                                reset_clocks=RESET_DELAY)
     assert clocks > 2000 and host.master.finished > 100
     return host
 

@@ -251,7 +251,7 @@ class FrontendModel:
     def step(self, i: dict[str, int]) -> Bits:
         """Outputs of this clock, then the edge."""
         video = self.video.step({**i, "hold_i": self.hold})
-        self.hold = i["hold_i"]
+        self.hold = i["hold_i"] | i["rst_i"]
         # Fields that are undefined here are not looked at behind.
         px = {f"{k[:-2]}_i": v or 0 for k, v in video.items() if k.startswith("px_")}
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})

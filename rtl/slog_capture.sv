@@ -8,8 +8,8 @@
 // to the other is Hops plain registers on its way.
 //
 // Latency    : word to store write 5 + Hops clocks, more when both cameras bring words at once (camera 0 goes first); the
-//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command acts 2 clocks after it, when armed_o and
-//              refused_o show its outcome.
+//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command acts 2 clocks after it, when
+//              armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(

@@ -5,9 +5,9 @@
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
-// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i, which counts a clock after it
-//              is up, keeps new frames out; the size not in the last clock of that. busy_o shows a frame from 2 clocks
-//              after its first beat to 1 after its end, so hold_i must have been up for a while.
+// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i, a clock old, keeps new
+//              frames out; the size not in the last clock of that. busy_o shows a frame from 2 clocks after its first
+//              beat to 1 after its end, so hold_i must have been up for a while.
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
     parameter int unsigned Radius    = 8,
@@ -49,7 +49,7 @@ module slog_frontend #(
   logic [9:0] width_q, height_q;
   logic       hold_q;
   always_ff @(posedge clk_i) begin
-    hold_q   <= hold_i;
+    hold_q   <= hold_i || rst_i;
     width_q  <= width_i;
     height_q <= height_i;
   end

@@ -292,8 +292,8 @@ module slog_video_in #(
     end
   end
 
-  // ---- Issue: the way to the ring and its two clocks of latency carry the line's description along. The border's place
-  // follows in the second.
+  // ---- Issue: the way to the ring and its two clocks of latency carry the line's description along, the border's place
+  // from the second on.
   typedef struct packed {
     logic            first;
     logic            last;
