@@ -25,7 +25,7 @@ class CorrelatorModel:
                                         drain_clocks(config.group_bits, config.lanes))
         self.array = OperandArrayModel(config.group_bits, config.ring_rows, hold_idle=False)
         self.peak = PeakModel(config.max_width, score_depth or config.surface_depth, config.result_depth)
-        self.at_work = self.busy = 0
+        self.at_work = self.busy = self.score = 0
         # What the memories hold at power-up reaches no score: any value does.
         rows, words = range(config.ring_rows), range(config.words_per_row + 3)
         self.array.operands.ring.update({(r, w): 0 for r in rows for w in words})
@@ -56,9 +56,10 @@ class CorrelatorModel:
             "row_offsets_i": s["row_offsets_o"], "mismatch_valid_i": array["mismatch_valid_o"] or 0,
             "mismatch_i": array["mismatch_o"] or 0, "surf_tready_i": i["surf_tready_i"],
             "res_ready_i": i["res_ready_i"]})
-        busy = self.busy
+        busy, score = self.busy, self.score
+        self.score = 0 if rst else array["mismatch_valid_o"] or 0
         self.busy = 0 if rst else self.at_work
         self.at_work = int(not rst and bool(i["job_valid_i"] or f["busy_o"] or s["busy_o"]))
         return {**{k: fetch[k] for k in ("job_ready_o", "slot_busy_o", "rd_valid_o", "rd_addr_o")},
                 **{k: peak[k] for k in self.OUTPUTS if k in peak},
-                "busy_o": busy, "score_o": array["mismatch_valid_o"]}
+                "busy_o": busy, "score_o": score}

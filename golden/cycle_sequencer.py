@@ -88,8 +88,7 @@ class SequencerModel:
         self.group_bits, self.pitch, self.ring_rows = group_bits, pitch, ring_rows
         self.walker = WalkerModel(pitch, ring_rows, drain_clocks)
         self.word: int | None = None
-        self.mask: list[int | None] = [None, None]  # group A's half, group B's
-        self.mask_made: list[int | None] = [None, None]  # of the next clock
+        self.masks: deque[int | None] = deque([None] * 5)  # of the next clocks
         self._reset()
 
     def _reset(self) -> None:
@@ -97,7 +96,6 @@ class SequencerModel:
         self.ctx_valid = self.row_valid = self.granted = False
         self.token: int | None = None
         self.mask_width = 0
-        self.load: list[int | None] = [None, None]  # the mask of which a half is loaded next: A's; B's
         self.there = False  # the operands of the row asked for are loaded
         self.dy = 0
 
@@ -112,20 +110,14 @@ class SequencerModel:
         if ticket is not None and job is not None:
             ctx = CONTEXT.pack({"tag": job.tag, "surface": job.surface, "status": ticket["status"],
                                 "offsets_x": job.offsets_x, "offsets_y": job.offsets_y, "area": ticket["area"]})
-        low, high = self.mask
-        mask = None if low is None or high is None else high << self.group_bits | low
+        self.masks.append(self._mask(self.mask_width))
         out: dict[str, int | None] = {
             "ticket_ready_o": int(idle), "rows_freed_o": walked["rows_freed_o"], "bank_free_o": walked["bank_free_o"],
             "ctx_valid_o": int(self.ctx_valid), "ctx_o": ctx, "row_valid_o": int(self.row_valid),
             "row_offsets_o": None if job is None else job.offsets_x, "step_valid_o": walked["step_valid_o"],
-            "step_o": walked["step_o"], "mask_o": mask,
+            "step_o": walked["step_o"], "mask_o": self.masks.popleft(),
             "busy_o": int(not idle or token_pending or bool(walked["busy_o"]))}
 
-        self.mask = [*self.mask_made]
-        for half, load in enumerate(self.load):
-            if load is not None:
-                self.mask_made[half] = load >> half * self.group_bits & (1 << self.group_bits) - 1
-        self.load = [None, self.load[0]]
         if walked["row_ready_o"]:
             self.token = None
         if idle:
@@ -145,8 +137,6 @@ class SequencerModel:
                     self.dy = 0
             elif self.state == "mask":
                 if job.width == self.mask_width or (walked["drained_o"] and not token_pending):
-                    if job.width != self.mask_width:
-                        self.load[0] = self._mask(job.width)
                     self.mask_width, self.state = job.width, "rows"
             elif self.state == "rows":
                 need = ticket["row"] + self.dy + job.height

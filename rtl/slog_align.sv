@@ -48,7 +48,7 @@ module slog_align #(
     low_q      <= in_data_i;
     shift_q[0] <= PadW'(in_shift_i);
     side_q[0]  <= in_side_i;
-    // Not enabled, as the words are: they may lie anywhere.
+    // Not enabled, nor are the words: they may lie anywhere.
     for (int unsigned s = 1; s < Latency; s++) side_q[s] <= side_q[s-1];
     for (int unsigned s = 1; s < Stages; s++) shift_q[s] <= shift_q[s-1];
     out_q <= stage_q[Stages-1][Width-1:0];
@@ -77,9 +77,7 @@ module slog_align #(
     end else begin : g_whole
       assign narrow = (wide >> (PadW'(shift_q[s][Low+:2]) << Low)) & ({(2 * Width) {1'b1}} >> (2 * Width - Keep));
     end
-    always_ff @(posedge clk_i) begin
-      if (valid_q[s]) stage_q[s] <= narrow;
-    end
+    always_ff @(posedge clk_i) stage_q[s] <= narrow;
   end
 
   assign out_valid_o = valid_q[Latency-1];

@@ -6,7 +6,7 @@
 // Latency    : see the blocks.
 // Throughput : one score per clock while a pass's steps are no more than its offsets.
 // Counters   : busy_o is high from two clocks after a job is offered until it has been fetched and stepped; score_o once
-//              for every score.
+//              for every score, a clock later.
 module slog_correlator
   import slog_pkg::*, slog_fetch_pkg::*;
 #(
@@ -232,6 +232,13 @@ module slog_correlator
       busy_q    <= at_work_q != '0;
     end
   end
-  assign busy_o  = busy_q;
-  assign score_o = mismatch_valid;
+  assign busy_o = busy_q;
+
+  // The counter is far from the peak unit.
+  logic score_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) score_q <= 1'b0;
+    else score_q <= mismatch_valid;
+  end
+  assign score_o = score_q;
 endmodule : slog_correlator

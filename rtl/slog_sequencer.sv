@@ -11,7 +11,8 @@
 //              job of equal width, if those at its end take 8. A job of another width waits until the array has drained
 //              (DrainClocks), as mask_o is for all lanes alike.
 // Rules      : contexts, grants and rows are in job order; a grant is asked for when the walker has taken the row before.
-//              mask_o: {group B, group A}, 1 = the bit belongs to the window; static while a step is on its way.
+//              mask_o: {group B, group A}, 1 = the bit belongs to the window; static while a step is on its way;
+//              6 clocks after the array has drained it is that of a job of another width.
 `include "slog_assert.svh"
 module slog_sequencer
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -62,6 +63,7 @@ module slog_sequencer
   logic [5:0] more_passes_q, last_lanes_q;
   logic [6:0] gap_first_q, gap_pass_q, gap_row_q;
   logic [7:0] mask_width_q;          // width mask_o is made for; 0 = none
+  logic [2:0] mask_wide_q;           // [k]: that width's wide_q, k clocks later
   // Less one; negative where there is no gap, whatever the other bits.
   function automatic logic [6:0] gap(logic [5:0] lanes, logic [7:0] steps);
     /* verilator lint_off UNUSEDSIGNAL */
@@ -87,7 +89,8 @@ module slog_sequencer
     gap_row_q      <= gap(last_lanes_q, steps_q);
   end
 
-  // Mask: units of MaskUnit bits are full, empty or partly full.
+  // Mask: units of MaskUnit bits are full, empty or partly full. It follows the width it is made for, without enables, which
+  // would reach over the whole array.
   localparam int unsigned UnitW    = (GroupBits < 8) ? $clog2(GroupBits) : 3;
   localparam int unsigned Unit     = 1 << UnitW;
   localparam int unsigned Units    = 2 * GroupBits / Unit;
@@ -97,35 +100,34 @@ module slog_sequencer
   logic [(1<<CountW)/4-1:0] past_high_q, in_high_q;
   logic [Units-1:0] reached_q, ends_q;  // of a window in one row: reaches past the unit, ends in it
   logic [Units-1:0] full_q, partly_q;
-  logic [Unit-1:0] part_q;
+  logic [Unit-1:0] part_q, part_q2, part_q3;
   logic [2*GroupBits-1:0] mask_q, mask_q2;  // as made; on its way to the array
   logic mask_load;
-  logic [1:0] load_q;                   // group A's, group B's half of the mask is loaded: one after the other
   always_ff @(posedge clk_i) begin
     for (int unsigned n = 0; n < 4; n++) begin
-      past_low_q[n] <= t_q.job.width[UnitW+:2] > 2'(n);
-      in_low_q[n]   <= t_q.job.width[UnitW+:2] == 2'(n);
+      past_low_q[n] <= mask_width_q[UnitW+:2] > 2'(n);
+      in_low_q[n]   <= mask_width_q[UnitW+:2] == 2'(n);
     end
     for (int unsigned n = 0; n < (1 << CountW) / 4; n++) begin
-      past_high_q[n] <= t_q.job.width[7:UnitW+2] > (CountW - 2)'(n);
-      in_high_q[n]   <= t_q.job.width[7:UnitW+2] == (CountW - 2)'(n);
+      past_high_q[n] <= mask_width_q[7:UnitW+2] > (CountW - 2)'(n);
+      in_high_q[n]   <= mask_width_q[7:UnitW+2] == (CountW - 2)'(n);
     end
     for (int unsigned u = 0; u < Units; u++) begin
       reached_q[u] <= past_high_q[u/4] || (in_high_q[u/4] && past_low_q[u%4]);
       ends_q[u]    <= in_high_q[u/4] && in_low_q[u%4];
       // In a paired step group B is a row of its own.
-      full_q[u]   <= (wide_q || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
-      partly_q[u] <= (wide_q || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
+      full_q[u]   <= (mask_wide_q[2] || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
+      partly_q[u] <= (mask_wide_q[2] || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
     end
-    for (int unsigned b = 0; b < Unit; b++) part_q[b] <= t_q.job.width[UnitW-1:0] > UnitW'(b);
-    for (int unsigned h = 0; h < 2; h++) begin
-      if (load_q[h]) begin
-        for (int unsigned b = h * GroupBits; b < (h + 1) * GroupBits; b++) begin
-          mask_q[b] <= full_q[b/Unit] || (partly_q[b/Unit] && part_q[b%Unit]);
-        end
-      end
+    for (int unsigned b = 0; b < Unit; b++) part_q[b] <= mask_width_q[UnitW-1:0] > UnitW'(b);
+    part_q2 <= part_q;
+    part_q3 <= part_q2;
+    for (int unsigned b = 0; b < 2 * GroupBits; b++) begin
+      mask_q[b] <= full_q[b/Unit] || (partly_q[b/Unit] && part_q3[b%Unit]);
     end
-    mask_q2 <= mask_q;
+    mask_q2          <= mask_q;
+    mask_wide_q[2:1] <= mask_wide_q[1:0];
+    if (mask_load) mask_wide_q[0] <= wide_q;
   end
 
   // Rows.
@@ -154,7 +156,6 @@ module slog_sequencer
       rows_q        <= 1'b0;
       prep_q        <= '0;
       mask_width_q  <= '0;
-      load_q        <= '0;
       row_valid_q   <= 1'b0;
       granted_q     <= 1'b0;
       took_q        <= 1'b0;
@@ -168,8 +169,7 @@ module slog_sequencer
       masking_q     <= (context_q && ctx_ready_i && good_q) || (masking_q && !same_width_q && !mask_load);
       rows_q        <= (masking_q && (same_width_q || mask_load)) || (rows_q && !done_q);
       prep_q        <= {prep_q[1:0], prepare_q && prep_q == '0};
-      load_q        <= {load_q[0], mask_load};
-      if (masking_q) mask_width_q <= t_q.job.width;
+      if (mask_load) mask_width_q <= t_q.job.width;
       row_valid_q   <= row_valid_q ? !row_ready_i : rows_q && !granted_q && !token_valid_q;
       granted_q     <= (row_valid_q && row_ready_i) || (granted_q && !token);
       took_q        <= token;
@@ -244,5 +244,5 @@ module slog_sequencer
   `SLOG_ASSERT_INIT(SlogSequencerPitch, Pitch == 2 ** PitchW && Pitch <= 32)
   `SLOG_ASSERT_STABLE(SlogSequencerCtxStable, ctx_valid_o, ctx_ready_i, ctx_o)
   `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, row_offsets_o)
-  `SLOG_ASSERT(SlogSequencerMaskStatic, !$stable(mask_o) |-> !walking)
+  `SLOG_ASSERT(SlogSequencerMaskStatic, !$stable(mask_o) |-> !step_o.valid)
 endmodule : slog_sequencer
