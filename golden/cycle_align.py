@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class AlignModel:
-    """Pairs each store word with the input of the next clock and shifts it down; a side without a word is undefined."""
+    """Pairs each store word with the next clock's input and shifts it down; what comes without a word is undefined."""
 
     INPUTS = ("rst_i", "in_valid_i", "in_emit_i", "in_data_i", "in_shift_i", "in_side_i")
     OUTPUTS = ("out_valid_o", "out_data_o", "out_side_o")
@@ -23,13 +23,11 @@ class AlignModel:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = {"out_valid_o": self.valid[-1], "out_data_o": self.out, "out_side_o": self.side[-1]}
         self.out = self.data[-1]
-        for s in range(len(self.data) - 1, -1, -1):
-            if self.valid[s]:
-                if s >= 1:
-                    self.data[s] = self.data[s - 1]
-                elif self.first is not None:
-                    word, shift = self.first
-                    self.data[0] = (i["in_data_i"] << self.width | word) >> shift & (1 << self.width) - 1
+        word: int | None = None
+        if self.valid[0] and self.first is not None:
+            low, shift = self.first
+            word = (i["in_data_i"] << self.width | low) >> shift & (1 << self.width) - 1
+        self.data = [word, *self.data[:-1]]
         begins = i["in_valid_i"] & i["in_emit_i"]
         if begins:
             self.first = i["in_data_i"], i["in_shift_i"]
