@@ -9,8 +9,9 @@ charges until each kind covers what the device has for it (after Lu et al., "ePl
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import repeat
 from pathlib import Path
@@ -247,7 +248,7 @@ def constrain(path: Path) -> None:
     cells = max((module["cells"] for module in design["modules"].values()), key=len)
     best: dict[str, str] = {}
     least = np.inf
-    with ProcessPoolExecutor() as workers:
+    with ThreadPoolExecutor(os.cpu_count()) as workers:
         for seed, (chosen, cost) in enumerate(workers.map(floorplan, repeat(cells), range(STARTS))):
             print(f"  floorplan {seed + 1} of {STARTS}: cost {cost:.0f}", flush=True)
             if cost < least:
