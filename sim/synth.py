@@ -175,6 +175,7 @@ def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
     args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
     log = folder / f"seed{seed}.log"
     if not _nextpnr(log, pins, *args, RIPUP, rounds=ROUNDS):
+        print(f"  seed {seed}: {TARGET_MHZ} MHz not met in {ROUNDS} rounds, routed again without {RIPUP}", flush=True)
         _nextpnr(log, pins, *args)
     placed.unlink()
     result: dict[str, Any] = json.loads(report.read_text())
