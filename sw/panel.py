@@ -1,4 +1,4 @@
-"""Pictures of what the board does: the stages of the filter, tracked features."""
+"""Pictures of what the board does: the stages of the filter, tracked features, a line of words on a picture."""
 
 from __future__ import annotations
 
@@ -40,6 +40,24 @@ def stage_panel(image: Picture, signs: Picture, sigma: float) -> Picture:
         framed = np.vstack([strip, tile])
         tiles.append(cv2.copyMakeBorder(framed, 0, GAP, 0, GAP, cv2.BORDER_CONSTANT, value=255))
     return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
+
+
+def write_line(canvas: Picture, words: str, size: float) -> None:
+    """Write words along the lower edge of a picture, white with a dark edge.
+
+    The edge is the letters' own, widened: a bolder font is a longer one too.
+
+    Args:
+        canvas: uint8 (H, W, 3), written on.
+        words: no longer than the picture is wide.
+        size: of the letters, as a share of the font's own, up to 0.6.
+    """
+    foot = canvas[-24:]
+    ink = np.zeros(foot.shape[:2], np.uint8)
+    cv2.putText(ink, words, (6, foot.shape[0] - 8), cv2.FONT_HERSHEY_SIMPLEX, size, 255, 1, cv2.LINE_AA)
+    for weight, level in ((cv2.dilate(ink, np.ones((3, 3), np.uint8)), 0), (ink, 255)):
+        share = weight[..., None] / 255
+        foot[:] = np.rint(foot * (1 - share) + level * share)
 
 
 def draw_tracks(image: Picture, points: Sequence[TrackPoint], window: int) -> Picture:

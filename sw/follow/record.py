@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from sw.follow.follower import State, Target
+from sw.panel import write_line
 from sw.sources import Picture, grey
 from sw.tables import Table
 
@@ -58,8 +59,7 @@ def draw_target(picture: Picture, target: Target) -> Picture:
     if not target.lost:
         cv2.drawMarker(canvas, (round(target.x), round(target.y)), colour, cv2.MARKER_CROSS, 18, 2, cv2.LINE_AA)
     text = str(target.state) + ("" if target.lost or math.isnan(target.range_m) else f"  {target.range_m:.2f} m")
-    for thick, ink in ((3, (0, 0, 0)), (1, WHITE)):
-        cv2.putText(canvas, text, (6, height - 8), cv2.FONT_HERSHEY_SIMPLEX, 0.45, ink, thick, cv2.LINE_AA)
+    write_line(canvas, text, 0.45)
     return canvas
 
 

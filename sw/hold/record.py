@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sw.hold.meter import Reading
+from sw.panel import write_line
 from sw.sources import Picture, grey
 from sw.tables import Table
 
@@ -19,7 +20,7 @@ HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidenc
 equations 6 and 7; empty where confidence is 0."""
 TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
 """What a simulated hold has besides."""
-GREEN, RED, WHITE = (90, 220, 70), (60, 60, 235), (240, 240, 240)
+GREEN, RED = (90, 220, 70), (60, 60, 235)
 
 
 def hold_row(frame: str, time: float, r: Reading) -> list[object]:
@@ -46,9 +47,7 @@ def draw_reading(picture: Picture, reading: Reading, features: NDArray[np.float6
     text = (f"x {100 * reading.forward:+.1f} y {100 * reading.right:+.1f} cm  "
             f"{math.degrees(reading.heading):+.2f} deg  R {reading.range_m:.3f} m  conf {reading.confidence}"
             if reading.valid else "no reading: confidence 0")
-    for thick, ink in ((3, (0, 0, 0)), (1, WHITE)):
-        cv2.putText(canvas, f"{words}{text}", (6, canvas.shape[0] - 8), cv2.FONT_HERSHEY_SIMPLEX, 0.4, ink, thick,
-                    cv2.LINE_AA)
+    write_line(canvas, words + text, 0.4)
     return canvas
 
 
