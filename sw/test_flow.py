@@ -29,7 +29,7 @@ def test_shifts(name: str, degraded: bool, bar: float) -> None:
         if degraded:
             a, b = degrade(a, seed=2 * k), degrade(b, seed=2 * k + 1)
         measurer = Measurer(GoldenBoard(), SIZE, 1.5)
-        field = measure_flow(measurer, measurer.view(a), measurer.view(b))
+        field = measure_flow(measurer, measurer.view(a), measurer.view(b), support=1)
         squares.append(((field.dx - shift[0]) ** 2 + (field.dy - shift[1]) ** 2)[field.valid])
         shares.append(field.valid.mean())
         assert field.dominant() == pytest.approx(tuple(shift), abs=bar)

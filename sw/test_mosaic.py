@@ -42,6 +42,7 @@ def test_real_survey(run: str, tmp_path: Path) -> None:
     reference = {(r["frame_a"], r["frame_b"]): r for r in _rows(SHARED / run / "sift_pairs.csv")}
     edges = {(e["frame_a"], e["frame_b"]): e for e in _rows(tmp_path / "edges.csv")}
     straight = accepted = 0
+    miss_share: dict[tuple[str, str], float] = {}
     for a, b in pairwise(frames):
         edge, truth = edges[a.name, b.name], reference[a.name, b.name]
         good = edge["accepted"] == "1"
@@ -50,7 +51,11 @@ def test_real_survey(run: str, tmp_path: Path) -> None:
         if good:
             x, y = float(truth["shift_x_px"]), float(truth["shift_y_px"])
             miss = math.hypot(float(edge["dx_px"]) - x, float(edge["dy_px"]) - y)
-            assert miss <= 8 + 0.05 * math.hypot(x, y), (run, a.name, b.name)
+            miss_share[a.name, b.name] = miss / (8 + 0.05 * math.hypot(x, y))
+    worst = max(miss_share.values(), default=0.0)
+    print(f"{run}: {len(miss_share)} of {len(frames) - 1} consecutive pairs accepted, of those turned less than "
+          f"3 degrees {accepted} of {straight}; worst miss {worst:.2f} of what 8 px + 5 % allow")
+    assert worst <= 1, miss_share
     assert len(edges) >= 6 and straight >= 1 and accepted >= 0.8 * straight
     assert _rows(tmp_path / "poses.csv")[0]["frame"] == frames[0].name
     assert np.asarray(cv2.imread(str(tmp_path / "mosaic.png"))) is not None

@@ -43,7 +43,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
                     if degraded:
                         pair = [degrade(p, seed + 2 * k + i) for i, p in enumerate(pair)]
                     measurer = Measurer(board, SIZE, SIGMA)
-                    found = measure_flow(measurer, measurer.view(pair[0]), measurer.view(pair[1]))
+                    found = measure_flow(measurer, measurer.view(pair[0]), measurer.view(pair[1]), support=1)
                     miss = (found.dx - shift[0]) ** 2 + (found.dy - shift[1]) ** 2
                     squares[degraded].append(miss[found.valid])
                     valid[degraded].append(float(found.valid.mean()))
@@ -75,5 +75,5 @@ def _field(measurer: Measurer, seed: int) -> tuple[Picture, Picture, FlowField]:
     for position, attitude in poses:
         frames.append(world.look(camera, Sight(position, rotation(*attitude) @ LOOK_DOWN)).frame)
         world.step(0.2)
-    field = measure_flow(measurer, measurer.view(frames[0]), measurer.view(frames[1]), (48, 48), 24)
+    field = measure_flow(measurer, measurer.view(frames[0]), measurer.view(frames[1]), (48, 48), 24, support=1)
     return frames[0], frames[1], field
