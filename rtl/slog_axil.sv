@@ -87,8 +87,8 @@ module slog_axil #(
       bvalid_q    <= 1'b0;
       rvalid_q    <= 1'b0;
     end else begin
-      read_q   <= can_read && !(can_write && read_last_q);
-      write_q  <= can_write && !(can_read && !read_last_q);
+      read_q    <= can_read && !(can_write && read_last_q);
+      write_q   <= can_write && !(can_read && !read_last_q);
       aw_q      <= aw;
       w_q       <= w;
       ar_q      <= ar;
@@ -104,8 +104,8 @@ module slog_axil #(
       ar_new_q  <= ar_free_q;
       ar_new_q2 <= ar_new_q;
       w_new_q   <= {w_new_q[3:0], w_free_q};
-      bvalid_q <= wr_ack_i || (bvalid_q && !bready_i);
-      rvalid_q <= rd_ack_i || (rvalid_q && !rready_i);
+      bvalid_q  <= wr_ack_i || (bvalid_q && !bready_i);
+      rvalid_q  <= rd_ack_i || (rvalid_q && !rready_i);
       if (read_q) read_last_q <= 1'b1;
       if (write_q) read_last_q <= 1'b0;
       if (can_read || can_write) under_way_q <= 1'b1;
@@ -146,7 +146,7 @@ module slog_axil #(
     logic [8:0] way_q[k+2], wait_q, data_q;  // the strobe on top
     always_ff @(posedge clk_i) begin
       for (int unsigned n = 0; n < k + 2; n++)
-      way_q[n] <= (n == 0) ? {wstrb_i[k], wdata_i[8*k+:8]} : way_q[(n==0)?0 : n-1];
+        way_q[n] <= (n == 0) ? {wstrb_i[k], wdata_i[8*k+:8]} : way_q[(n==0)?0 : n-1];
       if (w_new_q[k+1]) wait_q <= way_q[k+1];
       if (begin_q[k]) data_q <= wait_q;
     end

@@ -95,7 +95,7 @@ module slog_ram_fifo #(
       if ((in_valid_i && (Kept || open_q)) != pop_q) level_q <= level_q + LevelW'({LevelW{pop_q}} | 1'b1);
       // Not as an enable, which would be a level of logic more.
       free_q    <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
-               | ({OutDepth + 1{!(more || less)}} & free_q);
+                   | ({OutDepth + 1{!(more || less)}} & free_q);
       full_q    <= full;
       open_q    <= !full;
       room_q    <= two;

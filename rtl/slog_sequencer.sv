@@ -89,7 +89,7 @@ module slog_sequencer
     gap_row_q      <= gap(last_lanes_q, steps_q);
   end
 
-  // Mask: units of MaskUnit bits are full, empty or partly full. It follows the width it is made for, without enables, which
+  // Mask: units of Unit bits are full, empty or partly full. It follows the width it is made for, without enables, which
   // would reach over the whole array.
   localparam int unsigned UnitW    = (GroupBits < 8) ? $clog2(GroupBits) : 3;
   localparam int unsigned Unit     = 1 << UnitW;
