@@ -4,6 +4,7 @@ nextpnr's analytic placer moves these two kinds to free sites only when all else
 takes nearly all of them they end far from where they were wanted, and all wires together become nearly twice as long.
 Here they get their sites from a global placement of its own: the wires pull, and cells of a kind repel one another like
 charges until each kind covers what the device has for it (after Lu et al., "ePlace", ACM TODAES 20(2), 2015).
+The floorplans of the two boards are kept in `floorplans/`, so that place and route come out alike on every machine.
 """
 
 from __future__ import annotations
@@ -242,17 +243,51 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> tuple[di
     return chosen, wires.cost(place)
 
 
-def constrain(path: Path) -> None:
-    """Give the blocks of the netlist at `path`, as `sim.synth` wrote it, their sites for nextpnr."""
-    design = json.loads(path.read_text())
-    cells = max((module["cells"] for module in design["modules"].values()), key=len)
+def search(cells: Mapping[str, Mapping[str, Any]], starts: int = STARTS) -> dict[str, str]:
+    """The cheapest of that many floorplans; arguments and result as `floorplan` has them.
+
+    What a start leads to hangs on the last bits of its numbers, and so on the processor.
+    """
     best: dict[str, str] = {}
     least = np.inf
     with ThreadPoolExecutor(os.cpu_count()) as workers:
-        for seed, (chosen, cost) in enumerate(workers.map(floorplan, repeat(cells), range(STARTS))):
-            print(f"  floorplan {seed + 1} of {STARTS}: cost {cost:.0f}", flush=True)
+        for seed, (chosen, cost) in enumerate(workers.map(floorplan, repeat(cells), range(starts))):
+            print(f"  floorplan {seed + 1} of {starts}: cost {cost:.0f}", flush=True)
             if cost < least:
                 best, least = chosen, cost
-    for name, bel in best.items():
+    return best
+
+
+def constrain(path: Path, kept: Path) -> None:
+    """Give the blocks of a netlist their sites for nextpnr.
+
+    Args:
+        path: the netlist, as `sim.synth` wrote it; the sites are added.
+        kept: a floorplan made before, as `keep` writes it; where it is missing or of other blocks, one is searched for.
+    """
+    design = json.loads(path.read_text())
+    cells = _largest(design)
+    sites = json.loads(kept.read_text()) if kept.exists() else {}
+    if {name: _kind(bel) for name, bel in sites.items()} != {
+            name: cell["type"] for name, cell in cells.items() if cell["type"] in SITES}:
+        print(f"  {kept.name} is not of these blocks: searching for a floorplan", flush=True)
+        sites = search(cells)
+    for name, bel in sites.items():
         cells[name].setdefault("attributes", {})["BEL"] = bel
     path.write_text(json.dumps(design))
+
+
+def keep(path: Path, kept: Path, starts: int) -> None:
+    """Search for a floorplan of the netlist at `path`, and write it to `kept`: site by cell, as JSON."""
+    sites = search(_largest(json.loads(path.read_text())), starts)
+    kept.parent.mkdir(exist_ok=True)
+    kept.write_text(json.dumps(sites, indent=0) + "\n")
+
+
+def _largest(design: Mapping[str, Any]) -> dict[str, Any]:
+    """Cells of the largest module: the flat netlist."""
+    return max((module["cells"] for module in design["modules"].values()), key=len)
+
+
+def _kind(bel: str) -> str:
+    return "MULT18X18D" if "MULT18" in bel else "DP16KD"

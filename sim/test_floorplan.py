@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.floorplan import LONG, SITES, Wires, constrain, floorplan
+from sim.floorplan import LONG, SITES, Wires, constrain, floorplan, keep
+from sim.synth import FLOORPLANS
 
 AT = {site.bel: (site.x, site.y) for sites in SITES.values() for site in sites}
 
@@ -66,9 +67,39 @@ def test_more_blocks_than_sites_are_refused() -> None:
         floorplan(cells)
 
 
-def test_netlist_carries_the_sites(tmp_path: Path) -> None:
-    path = tmp_path / "netlist.json"
-    path.write_text(json.dumps({"modules": {"small": {"cells": {}}, "top": {"cells": _clusters(1, 2, 50)}}}))
-    constrain(path)
+def _netlist(path: Path, rams: int) -> Path:
+    path.write_text(json.dumps({"modules": {"small": {"cells": {}}, "top": {"cells": _clusters(1, rams, 50)}}}))
+    return path
+
+
+def _sites(path: Path) -> dict[str, str]:
     cells = json.loads(path.read_text())["modules"]["top"]["cells"]
     assert all(("BEL" in cell.get("attributes", {})) == (cell["type"] == "DP16KD") for cell in cells.values())
+    return {name: cell["attributes"]["BEL"] for name, cell in cells.items() if "attributes" in cell}
+
+
+def test_netlist_carries_the_sites_that_are_kept(tmp_path: Path) -> None:
+    kept = tmp_path / "kept" / "small.json"
+    keep(_netlist(tmp_path / "netlist.json", 2), kept, 2)
+    chosen = json.loads(kept.read_text())
+    other = {**chosen, "0.ram0": next(s.bel for s in SITES["DP16KD"] if s.bel not in chosen.values())}
+    for sites in (chosen, other):
+        kept.write_text(json.dumps(sites))
+        constrain(path := _netlist(tmp_path / "netlist.json", 2), kept)
+        assert _sites(path) == sites
+
+
+def test_without_sites_of_these_blocks_they_are_sought(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    kept = tmp_path / "small.json"
+    for text in (None, '{"0.ram0": "X6/Y22/EBR0"}', '{"0.ram0": "X6/Y22/EBR0", "0.ram1": "X4/Y10/MULT18_0"}'):
+        if text is not None:
+            kept.write_text(text)
+        constrain(path := _netlist(tmp_path / "netlist.json", 2), kept)
+        assert set(_sites(path).values()) <= {s.bel for s in SITES["DP16KD"]} and len(_sites(path)) == 2
+        assert "small.json is not of these blocks" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("config", ["full", "tiny"])
+def test_kept_floorplans_give_each_block_a_site_of_its_own(config: str) -> None:
+    sites = json.loads((FLOORPLANS / f"{config}.json").read_text()).values()
+    assert len(sites) > 8 and len(set(sites)) == len(sites) and set(sites) <= set(AT)
