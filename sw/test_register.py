@@ -1,5 +1,7 @@
 """Registration against known similarities, and refusal where there is nothing to find."""
 
+from itertools import pairwise
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,8 @@ from sw.golden_board import GoldenBoard
 from sw.measure import Measurer
 from sw.register import Registrar
 from sw.scene import gravel
-from sw.sources import Fit, Picture
+from sw.sources import Fit, Picture, open_source
+from sw.survey.reference import SHARED
 
 SIZE = 384, 288
 
@@ -71,6 +74,21 @@ def test_strangers_are_refused(other: str) -> None:
     place = Similarity.of(shift=(320.0, 360.0))
     result = registrar.register(registrar.prepare(_cut(photo, place)), registrar.prepare(_cut(stranger, place, seed=1)))
     assert not result.accepted and result.reason
+
+
+@pytest.mark.parametrize("run", ["skerki", "imos/test1", "imos/test5"])
+def test_mirrored_neighbours_of_real_surveys_are_refused(run: str) -> None:
+    if not (SHARED / run).exists():
+        pytest.skip(f"no {SHARED / run} on this machine")
+    frames = [frame.picture for frame in open_source(SHARED / run)]
+    registrar = _registrar((frames[0].shape[1], frames[0].shape[0]))
+    shares = []
+    for a, b in pairwise(frames):
+        found = registrar.register(registrar.prepare(a), registrar.prepare(np.ascontiguousarray(b[:, ::-1])))
+        shares.append(found.agreed / max(found.tried, 1))
+        assert not found.accepted, shares
+    print(f"{run}: of the windows of {len(shares)} wrong pairs at most {max(shares):.2f} agree")
+    assert len(shares) >= 7 and max(shares) <= 0.5 * registrar.limits.share
 
 
 def test_a_guess_saves_the_search_and_a_wrong_one_is_refused() -> None:
