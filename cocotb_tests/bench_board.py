@@ -11,9 +11,9 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 from cocotb_tests.env.host import Host, Script
-from golden.cycle_board import BoardModel
+from golden.cycle.board import BoardModel
 from golden.params import CONFIGS
-from sim.workload import SIGMA, SIZE, frames, jobs
+from sim.speed.workload import SIGMA, SIZE, frames, jobs
 
 
 @cocotb.test()

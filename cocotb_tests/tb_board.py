@@ -8,15 +8,15 @@ from dataclasses import replace
 import cocotb
 import numpy as np
 
-from cocotb_tests.env.cycle import check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.host import RESET_DELAY, Host, Script
-from cocotb_tests.env.stalls import SHAPES
-from cocotb_tests.env.video import BAD_KINDS, bad, texture
+from golden.traffic.stalls import SHAPES
+from golden.traffic.video import BAD_KINDS, bad, texture
 from golden.correlate import Job, Plane, Status, grid, run, surface
-from golden.cycle_board import BoardModel
+from golden.cycle.board import BoardModel
 from golden.log import sign
 from golden.params import TINY
-from sim.registers import address, fields
+from sim.registers.map import address, fields
 
 SIGMA = 1.5
 SIZE = 21, 19

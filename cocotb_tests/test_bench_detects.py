@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 from sim.toolchain import RTL
 
 BREAKS = {
@@ -23,4 +23,4 @@ def test_broken_rtl_is_found(name: str, tmp_path: Path) -> None:
     broken = tmp_path / "slog_fifo.sv"
     broken.write_text(source.replace(right, wrong))
     with pytest.raises(AssertionError, match=message):
-        simulate("slog_fifo", [broken], "cocotb_tests.tb_fifo", {"Width": 8, "Depth": 4})
+        simulate("slog_fifo", [broken], "cocotb_tests.cells.test_fifo", {"Width": 8, "Depth": 4})

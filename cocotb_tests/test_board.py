@@ -1,6 +1,6 @@
 """The whole `tiny` board against its cycle model on every clock, and what it answers against the frame level."""
 
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 from sim.toolchain import rtl_sources
 
 PORTS = ("*_i", "*_o", "s_axil_*")

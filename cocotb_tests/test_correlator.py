@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from golden.params import TINY
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 from sim.toolchain import RTL, rtl_sources
 
 
@@ -20,7 +20,7 @@ SCORE_DEPTH = 2 * TINY.max_width
 
 def test_correlator() -> None:
     c = TINY
-    simulate("slog_correlator", sources(), "cocotb_tests.tb_correlator", {
+    simulate("slog_correlator", sources(), "cocotb_tests.correlator.test_correlator", {
         "GroupBits": c.group_bits, "Pitch": c.pitch, "Lanes": c.lanes, "ScoreBits": c.score_bits,
         "MaxWidth": c.max_width, "MaxHeight": c.max_height, "WordsPerRow": c.words_per_row, "Slots": c.slots,
         "MinWindow": c.min_window, "MaxWindow": c.max_window, "RingRows": c.ring_rows, "SurfaceDepth": SCORE_DEPTH,

@@ -3,7 +3,7 @@
 import pytest
 
 from golden.params import TINY
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 
 SIZE = {"MaxWidth": TINY.max_width, "Radius": TINY.radius}
 FIR = ["rtl/slog_mult.sv", "rtl/slog_fir_kernel.sv", "rtl/slog_fir.sv"]
@@ -13,11 +13,11 @@ LOG = [*LINES, *FIR, *TAPS, "rtl/slog_log.sv"]
 
 
 def test_video_in() -> None:
-    simulate("slog_video_in", ["rtl/slog_ram.sv", "rtl/slog_video_in.sv"], "cocotb_tests.tb_video_in", SIZE)
+    simulate("slog_video_in", ["rtl/slog_ram.sv", "rtl/slog_video_in.sv"], "cocotb_tests.frontend.test_video_in", SIZE)
 
 
 def test_line_buffer() -> None:
-    simulate("slog_line_buffer", LINES, "cocotb_tests.tb_line_buffer", SIZE)
+    simulate("slog_line_buffer", LINES, "cocotb_tests.frontend.test_line_buffer", SIZE)
 
 
 @pytest.mark.parametrize("shape", [
@@ -26,22 +26,22 @@ def test_line_buffer() -> None:
     {"Radius": 3, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": 5},
 ], ids=["column", "row", "small"])
 def test_fir(shape: dict[str, int]) -> None:
-    simulate("slog_fir", FIR, "cocotb_tests.tb_fir", shape)
+    simulate("slog_fir", FIR, "cocotb_tests.frontend.test_fir", shape)
 
 
 def test_taps() -> None:
-    simulate("slog_taps", TAPS, "cocotb_tests.tb_taps", {"Radius": TINY.radius, "DataW": 18})
+    simulate("slog_taps", TAPS, "cocotb_tests.frontend.test_taps", {"Radius": TINY.radius, "DataW": 18})
 
 
 def test_log() -> None:
-    simulate("slog_log", LOG, "cocotb_tests.tb_log", SIZE)
+    simulate("slog_log", LOG, "cocotb_tests.frontend.test_log", SIZE)
 
 
 @pytest.mark.parametrize("group_bits", [4, 8])
 def test_packer(group_bits: int) -> None:
-    simulate("slog_packer", ["rtl/slog_packer.sv"], "cocotb_tests.tb_packer", {"GroupBits": group_bits})
+    simulate("slog_packer", ["rtl/slog_packer.sv"], "cocotb_tests.frontend.test_packer", {"GroupBits": group_bits})
 
 
 def test_frontend() -> None:
     sources = [*LOG, "rtl/slog_video_in.sv", "rtl/slog_packer.sv", "rtl/slog_frontend.sv"]
-    simulate("slog_frontend", sources, "cocotb_tests.tb_frontend", {**SIZE, "GroupBits": TINY.group_bits})
+    simulate("slog_frontend", sources, "cocotb_tests.frontend.test_frontend", {**SIZE, "GroupBits": TINY.group_bits})

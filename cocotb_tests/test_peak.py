@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 
 PARTS = ("running_max", "peak_room", "peak_rows", "peak_intake", "peak_best", "peak_scan", "peak_collect")
 SOURCES = [f"rtl/slog_{name}.sv" for name in
@@ -14,6 +14,6 @@ SOURCES = [f"rtl/slog_{name}.sv" for name in
     (640, 15, 1024, 64, "results_stalled.*long"),
 ])
 def test_peak(max_offsets: int, score_bits: int, score_depth: int, result_depth: int, testcase: str | None) -> None:
-    simulate("slog_peak", SOURCES, "cocotb_tests.tb_peak",
+    simulate("slog_peak", SOURCES, "cocotb_tests.peak.test_peak",
              {"MaxOffsets": max_offsets, "ScoreBits": score_bits, "ScoreDepth": score_depth,
               "ResultDepth": result_depth}, testcase=testcase)

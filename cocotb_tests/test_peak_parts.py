@@ -1,7 +1,7 @@
 """The parts of `slog_peak`, each against its cycle model on every clock."""
 
 from cocotb_tests.test_peak import PARTS
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 
 SOURCES = ["rtl/slog_pkg.sv", "rtl/slog_compare_pkg.sv", "rtl/slog_peak_pkg.sv", "rtl/slog_stage.sv",
            *(f"rtl/slog_{name}.sv" for name in PARTS),
@@ -9,5 +9,5 @@ SOURCES = ["rtl/slog_pkg.sv", "rtl/slog_compare_pkg.sv", "rtl/slog_peak_pkg.sv",
 
 
 def test_peak_parts() -> None:
-    simulate("tb_peak_parts", SOURCES, "cocotb_tests.tb_peak_parts",
+    simulate("tb_peak_parts", SOURCES, "cocotb_tests.peak.test_peak_parts",
              {"MaxOffsets": 48, "ScoreBits": 9, "ScoreDepth": 128})

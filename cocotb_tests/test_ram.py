@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim.runner import simulate
+from sim.testbench.runner import simulate
 
 GENERIC = ["rtl/slog_ram.sv"]
 ECP5 = ["sim/ecp5/cells.sv", "rtl/ecp5/slog_ecp5_bram.sv", "rtl/ecp5/slog_ram.sv"]
@@ -10,7 +10,7 @@ ECP5 = ["sim/ecp5/cells.sv", "rtl/ecp5/slog_ecp5_bram.sv", "rtl/ecp5/slog_ram.sv
 
 @pytest.mark.parametrize(("width", "depth"), [(8, 16), (65, 640)])
 def test_generic(width: int, depth: int) -> None:
-    simulate("slog_ram", GENERIC, "cocotb_tests.tb_ram", {"Width": width, "Depth": depth})
+    simulate("slog_ram", GENERIC, "cocotb_tests.cells.test_ram", {"Width": width, "Depth": depth})
 
 
 ASPECTS = [(37, 512), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)]
@@ -19,4 +19,4 @@ ASPECTS = [(37, 512), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)]
 
 @pytest.mark.parametrize(("width", "depth"), ASPECTS)
 def test_ecp5(width: int, depth: int) -> None:
-    simulate("slog_ram", ECP5, "cocotb_tests.tb_ram", {"Width": width, "Depth": depth})
+    simulate("slog_ram", ECP5, "cocotb_tests.cells.test_ram", {"Width": width, "Depth": depth})

@@ -11,13 +11,13 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import astuple
 
 from cocotb_tests.env.axil import AxilMaster
-from cocotb_tests.env.cycle import Inputs, Outputs, Stimulus
-from cocotb_tests.env.stalls import willing
-from cocotb_tests.env.video import Beat
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus
+from golden.traffic.stalls import willing
+from golden.traffic.video import Beat
 from golden.correlate import Job, Neighbours, Result, Status
 from golden.log import Image, kernels
 from golden.params import Config
-from sim.registers import address, fields, word
+from sim.registers.map import address, fields, word
 
 Script = Generator[None, None, None]
 RESET_DELAY = 3

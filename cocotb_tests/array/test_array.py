@@ -1,0 +1,99 @@
+"""Cocotb side of the `slog_array` test: arbitrary operands, and an array that stands still at any time."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.array.timing import core_latency
+from golden.cycle.array.array import ArrayModel
+
+
+def traffic(rng: random.Random, move: str, bubbles: str, passes: int, reset_at: int | None) -> Stimulus:
+    """`passes` passes of 1 to 12 random rows under a few random masks; operands wait while the array stands still."""
+    g, lanes = params()["GroupBits"], params()["Lanes"]
+    moves, rows = willing(move, rng), willing(bubbles, rng)
+    mask, t, until_last = 0, 0, 0
+
+    def clock(row: Inputs | None) -> Stimulus:
+        """One clock of movement, after any number of standing still."""
+        nonlocal t, until_last
+        noise = {"valid_i": 0, "first_i": rng.getrandbits(1), "last_i": rng.getrandbits(1),
+                 "lanes_i": rng.randint(1, lanes)}
+        while True:
+            moving, reset = next(moves), int(t == reset_at)
+            t += 1
+            yield {**noise, **(row or {}), "mask_i": mask, "move_i": moving, "rst_i": reset}
+            if reset:
+                until_last = 0
+            if moving:
+                until_last = max(until_last - 1, 0)
+                return
+
+    for n in range(passes):
+        if n % 8 == 0:
+            for _ in range(lanes + 1):
+                yield from clock(None)
+            mask = rng.choice((rng.getrandbits(2 * g), (1 << 2 * g) - 1))
+        steps, width = rng.choice((1, lanes, rng.randint(1, 12))), rng.choice((1, lanes, rng.randint(1, lanes)))
+        while until_last > steps - 1:
+            yield from clock(None)
+        dense = rng.random() < 0.3  # every bit differs
+        for s in range(steps):
+            while not next(rows):
+                yield from clock(None)
+            operands = {name: rng.getrandbits(g) for name in ("tpl_a_i", "tpl_b_i")} | {
+                name: rng.getrandbits(g + lanes - 1) for name in ("search_a_i", "search_b_i")}
+            if dense:
+                operands = dict.fromkeys(("tpl_a_i", "tpl_b_i"), (1 << g) - 1) | dict.fromkeys(
+                    ("search_a_i", "search_b_i"), 0)
+            if rng.random() < 0.1:
+                operands |= {"tpl_b_i": 0, "search_b_i": 0}
+            yield from clock({"valid_i": 1, "first_i": int(s == 0), "last_i": int(s == steps - 1), "lanes_i": width,
+                              **operands})
+        until_last = width - 1
+    for _ in range(core_latency(g) + lanes + 4):
+        yield from clock(None)
+
+
+@cocotb.test()
+@cocotb.parametrize(move=SHAPES, bubbles=("none", "random"))
+async def every_clock(dut, move: str, bubbles: str) -> None:
+    """As modelled on every clock, in random rows and masks; one test in two has a reset in mid-work."""
+    g, lanes = params()["GroupBits"], params()["Lanes"]
+    passes = 60 if g <= 16 else 16
+    scores: list[int] = []
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        if out["mismatch_valid_o"] and i["move_i"]:
+            scores.append(out["mismatch_o"] or 0)
+
+    rng = random.Random(cocotb.RANDOM_SEED)
+    reset_at = rng.randint(100, 200) if bubbles == "random" else None
+    await check_cycles(dut, ArrayModel(g, lanes), traffic(rng, move, bubbles, passes, reset_at), watch)
+    assert len(scores) > passes and max(scores) > g
+
+
+@cocotb.test()
+async def fullest_count(dut) -> None:
+    """The largest window, every pixel different: the accumulator's top bit."""
+    g, lanes = params()["GroupBits"], params()["Lanes"]
+    best = 0
+
+    def rows() -> Stimulus:
+        steps = 2 * g
+        for t in range(steps + core_latency(g) + lanes + 2):
+            valid = t < steps
+            yield {"move_i": 1, "mask_i": (1 << 2 * g) - 1, "valid_i": int(valid), "first_i": int(t == 0),
+                   "last_i": int(t == steps - 1), "lanes_i": lanes,
+                   **dict.fromkeys(("tpl_a_i", "tpl_b_i"), (1 << g) - 1 if valid else 0)}
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        nonlocal best
+        if out["mismatch_valid_o"]:
+            best = max(best, out["mismatch_o"] or 0)
+
+    await check_cycles(dut, ArrayModel(g, lanes), rows(), watch)
+    assert best == (2 * g) ** 2

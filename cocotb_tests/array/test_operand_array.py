@@ -1,0 +1,78 @@
+"""Cocotb side of the test of `slog_operands` feeding `slog_array`: whole windows."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.array.timing import array_latency
+from golden.traffic.array import WindowTraffic
+from golden.cycle.array.operand_array import OperandArrayModel
+from golden.structs import STEP
+
+
+def work(rng: random.Random, bubbles: str, rounds: int, passes: int) -> tuple[WindowTraffic, Stimulus]:
+    p = params()
+    traffic = WindowTraffic(rng, p["GroupBits"], p["RingRows"], p["WordsPerRow"], willing(bubbles, rng))
+    return traffic, traffic.inputs(rounds, passes)
+
+
+def model() -> OperandArrayModel:
+    return OperandArrayModel(params()["GroupBits"], params()["RingRows"], bool(params()["HoldIdle"]))
+
+
+@cocotb.test()
+@cocotb.parametrize(bubbles=SHAPES)
+async def windows(dut, bubbles: str) -> None:
+    """Every clock as modelled; every score that of plain counting, in order and at its clock."""
+    big = params()["GroupBits"] > 16
+    traffic, stimulus = work(random.Random(cocotb.RANDOM_SEED), bubbles, 3 if big else 14, 3 if big else 5)
+    scores: list[tuple[int, int | None]] = []
+    due: list[int] = []
+    clock = 0
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        nonlocal clock
+        step = STEP.unpack(i["step_i"])
+        if step["valid"] and step["last"]:
+            due.extend(clock + array_latency(params()["GroupBits"]) + k for k in range(step["lanes"]))
+        if out["mismatch_valid_o"]:
+            scores.append((clock, out["mismatch_o"]))
+        clock += 1
+
+    await check_cycles(dut, model(), stimulus, watch)
+    assert [value for _, value in scores] == [value for lanes in traffic.expected for value in lanes]
+    assert [t for t, _ in scores] == due
+    assert len(traffic.expected) >= (3 if big else 20)
+
+
+@cocotb.test()
+async def reset_in_mid_pass(dut) -> None:
+    """Two resets while passes are in flight; the memories keep their words, scores in flight are gone."""
+    traffic, stimulus = work(random.Random(cocotb.RANDOM_SEED), "random", 10, 4)
+    scores = resets = 0
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        nonlocal scores
+        scores += bool(out["mismatch_valid_o"])
+
+    def with_resets() -> Stimulus:
+        nonlocal resets
+        busy = quiet = 0
+        i = next(stimulus)
+        try:
+            while True:
+                step = STEP.unpack(i["step_i"])
+                busy += step["valid"]
+                i["rst_i"] = int(resets < 2 and busy > 60 * (resets + 1) and bool(quiet or step["last"]))
+                quiet = int(i["rst_i"] and not quiet)
+                resets += quiet
+                i = stimulus.send((yield i))
+        except StopIteration:
+            return
+
+    await check_cycles(dut, model(), with_resets(), watch)
+    expected = sum(map(len, traffic.expected))
+    assert resets == 2 and expected // 4 < scores < expected

@@ -1,0 +1,41 @@
+"""Cocotb side of the `slog_mult` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from golden.cycle.cells.mult import BITS, MultModel
+
+CLOCKS = 2000
+EXTREMES = (0, 1, 1 << BITS - 1, (1 << BITS - 1) - 1, (1 << BITS) - 1)
+
+
+def operand(rng: random.Random) -> int:
+    return rng.choice(EXTREMES) if rng.random() < 0.4 else rng.getrandbits(BITS)
+
+
+def traffic(rng: random.Random) -> Stimulus:
+    """Runs of extreme and random operands, a new coefficient before each; its value stays until the run has ended."""
+    b, left = operand(rng), 0
+    for _ in range(CLOCKS):
+        if left == 0:
+            left = rng.randint(1, 12)
+            b = operand(rng)
+            for _ in range(2):
+                yield {"en_i": 0, "a_i": operand(rng), "b_i": b}
+        left -= 1
+        yield {"en_i": 1, "a_i": operand(rng), "b_i": b}
+
+
+@cocotb.test()
+async def every_clock(dut) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    seen: set[int] = set()
+
+    def count(_: Inputs, out: Outputs) -> None:
+        if out["p_o"] is not None:
+            seen.add(out["p_o"])
+
+    await check_cycles(dut, MultModel(), traffic(rng), count, reset_clocks=0)
+    assert len(seen) > CLOCKS // 4

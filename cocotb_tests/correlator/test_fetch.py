@@ -1,0 +1,158 @@
+"""Cocotb side of the `slog_fetch` test."""
+
+import random
+from collections import Counter, deque
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from golden.traffic.stalls import SHAPES, willing
+from golden.correlate import Job, Status
+from golden.cycle.correlator.fetch import PAUSE, FetchModel
+from golden.cycle.store.store import STORE_LATENCY
+from golden.traffic.jobs import mixed
+from golden.params import TINY
+from golden.structs import TICKET, pack_job, unpack_job
+
+SIZE = (47, 35)
+VALID = [True, False, True, True, False, True, False, False]
+RING = 2 * TINY.ring_rows
+
+
+def _rows(ticket: dict[str, int]) -> int:
+    job = unpack_job(ticket["job"])
+    return job.height + job.offsets_y - 1
+
+
+def work(rng: random.Random, jobs: list[Job], source: str, sink: str, reset_at: int | None) -> Stimulus:
+    """Jobs in; a sequencer of sorts that takes tickets and gives rows and banks back some time later.
+
+    The store answers with noise: the fetch unit does not care, and every output is compared all the same.
+    """
+    offer, take = willing(source, rng), willing(sink, rng)
+    waiting = [pack_job(j) for j in jobs]
+    held: deque[dict[str, int]] = deque()  # tickets taken, not given back
+    offered = False
+    give = t = 0
+    total = begun = back = 0  # search rows: written, before the oldest ticket's, given back
+    valid = sum(1 << s for s in range(8) if VALID[s])
+    left = 40
+    while left:
+        assert t < 20000, "the jobs never end"
+        bank_free, give = give, 0
+        offered = bool(waiting) and (offered or bool(next(offer)))
+        reset = int(t == reset_at)
+        job = waiting[0] if offered else rng.getrandbits(98)
+        out = yield {"rst_i": reset, "job_valid_i": int(offered), "job_i": job, "image_width_i": SIZE[0],
+                     "image_height_i": SIZE[1], "slot_valid_i": valid, "rd_data_i": rng.getrandbits(TINY.group_bits),
+                     "ticket_ready_i": (ready := next(take)), "rows_freed_i": back % RING, "bank_free_i": bank_free}
+        t += 1
+        if reset:
+            held.clear()
+            give = total = begun = back = 0
+            offered = False
+            continue
+        if offered and out["job_ready_o"]:
+            waiting.pop(0)
+            offered = False
+        if out["ticket_valid_o"] and ready:
+            assert out["ticket_o"] is not None
+            ticket = TICKET.unpack(out["ticket_o"])
+            if ticket["status"] == Status.OK:
+                assert ticket["row"] == (begun + sum(_rows(h) for h in held)) % RING
+                held.append(ticket)
+        total += ((out["rows_written_o"] or 0) - total) % RING
+        if held and out["tpl_done_o"] >> held[0]["bank"] & 1 and next(take):
+            end = begun + _rows(held[0])
+            # Rows go back one by one while the window still fits, the rest with the bank.
+            if total >= end:
+                if rng.random() < 0.2:
+                    begun = back = end
+                    give = 1
+                    held.popleft()
+            elif total - back >= unpack_job(held[0]["job"]).height:
+                back += 1
+        left = 40 if waiting or held or out["busy_o"] else left - 1
+
+
+@cocotb.test()
+@cocotb.parametrize(source=("none", "random"), sink=SHAPES)
+async def every_clock(dut, source: str, sink: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    jobs = mixed(rng, TINY, SIZE, VALID, 20, most_offsets=120)
+    counts: Counter[str] = Counter()
+
+    def count(i: Inputs, out: Outputs) -> None:
+        for name in ("rd_valid_o", "wr_valid_o"):
+            counts[name] += bool(out[name])
+        counts["ticket"] += bool(out["ticket_valid_o"] and i["ticket_ready_i"])
+
+    await check_cycles(dut, FetchModel(TINY), work(rng, jobs, source, sink, None), count)
+    assert counts["ticket"] == 20
+    assert counts["rd_valid_o"] >= counts["wr_valid_o"] > 500
+
+
+@cocotb.test()
+@cocotb.parametrize(reset_at=(60, 165, 402))
+async def reset_in_work(dut, reset_at: int) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    jobs = mixed(rng, TINY, SIZE, VALID, 12, most_offsets=60)
+    tickets = 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal tickets
+        tickets += bool(out["ticket_valid_o"] and i["ticket_ready_i"])
+
+    await check_cycles(dut, FetchModel(TINY), work(rng, jobs, "none", "none", reset_at), count)
+    assert tickets >= 10
+
+
+@cocotb.test()
+async def latency(dut) -> None:
+    """The header's figures, from an idle unit."""
+    job = Job(0, 5, 3, 8, 2, 2, 7, 4, 2, 2)
+    at: dict[str, int] = {}
+    clock = 0
+
+    def script() -> Stimulus:
+        fixed = {"image_width_i": SIZE[0], "image_height_i": SIZE[1], "slot_valid_i": 0xFF, "job_i": pack_job(job)}
+        yield fixed | {"job_valid_i": 1}
+        for _ in range(60):
+            yield fixed
+
+    def note(_i: Inputs, out: Outputs) -> None:
+        nonlocal clock
+        for name in ("ticket_valid_o", "rd_valid_o", "wr_valid_o", "tpl_done_o", "rows_written_o"):
+            if out[name] and name not in at:
+                at[name] = clock
+        clock += 1
+
+    await check_cycles(dut, FetchModel(TINY), script(), note)
+    align = 1 + 4  # with the register before it
+    read = 18
+    # Template: two rows of two words, one aligned word each; search: three rows of 9 bits across two words.
+    assert at == {"ticket_valid_o": 14, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
+                  "tpl_done_o": read + 2 + STORE_LATENCY + align + 1,
+                  "rows_written_o": read + 4 + PAUSE + 1 + STORE_LATENCY + align + 1}
+
+
+@cocotb.test()
+@cocotb.parametrize(words=(1, 2))
+async def full_ring(dut, words: int) -> None:
+    """Rows of one or two words stop when the ring is full to its last row, and go on one by one as rows come free."""
+    job = Job(0, 5, 3, 3, 2, 2, 8, 0, 6 * words - 3, 34)
+    steps = (0, 1, 2, 3)
+    written: list[int] = []
+
+    def script() -> Stimulus:
+        fixed = {"image_width_i": SIZE[0], "image_height_i": SIZE[1], "slot_valid_i": 0xFF, "job_i": pack_job(job),
+                 "ticket_ready_i": 1}
+        yield fixed | {"job_valid_i": 1}
+        for freed in steps:
+            out: Outputs = {}
+            for _ in range(130 if freed == 0 else 24):
+                out = yield fixed | {"rows_freed_i": freed}
+            written.append(out["rows_written_o"] or 0)
+
+    await check_cycles(dut, FetchModel(TINY), script())
+    assert written == [TINY.ring_rows + freed for freed in steps]

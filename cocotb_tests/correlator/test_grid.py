@@ -1,0 +1,48 @@
+"""Cocotb side of the `slog_grid` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.correlator.grid import GridModel
+from golden.structs import JOB, unpack_job
+
+CLOCKS = 400
+
+
+def commands(rng: random.Random, source: str, sink: str) -> Stimulus:
+    """Random grids, some running off the coordinates, with one reset in mid-grid."""
+    offer, take = willing(source, rng), willing(sink, rng)
+    held: Inputs | None = None
+    room = 0  # once there, it stays until a job has come
+    for t in range(CLOCKS):
+        garbage = {"job_i": rng.getrandbits(JOB.bits), "count_x_i": rng.choice((0, 1, 1, 2, 5)),
+                   "count_y_i": rng.choice((0, 1, 1, 2, 4)), "step_x_i": rng.choice((0, 1, 16, 300, 1023)),
+                   "step_y_i": rng.choice((0, 1, 16, 300, 1023))}
+        if held is None and next(offer):
+            held = garbage
+        room = room or next(take)
+        out = yield {"rst_i": int(t == CLOCKS // 2), "job_valid_i": int(held is not None), "job_ready_i": room,
+                     **(held or garbage)}
+        if out["job_ready_o"]:
+            held = None
+        if out["job_valid_o"]:
+            room = 0
+
+
+@cocotb.test()
+@cocotb.parametrize(source=SHAPES, sink=SHAPES)
+async def every_clock(dut, source: str, sink: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    jobs, edge = 0, 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal jobs, edge
+        if out["job_valid_o"] and i["job_ready_i"]:
+            jobs += 1
+            edge += 1023 in (unpack_job(out["job_o"]).tpl_x, unpack_job(out["job_o"]).search_y)
+
+    await check_cycles(dut, GridModel(), commands(rng, source, sink), count)
+    assert jobs > CLOCKS // 12 and edge > 0

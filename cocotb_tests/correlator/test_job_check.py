@@ -1,0 +1,54 @@
+"""Cocotb side of the `slog_job_check` test."""
+
+import random
+from collections import Counter
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.correlate import Job, Status
+from golden.cycle.correlator.job_check import CHECK_LATENCY, JobCheckModel
+from golden.traffic.jobs import acceptable, mixed
+from golden.params import FULL, TINY
+from golden.structs import JOB, pack_job
+
+VALID = [True, False, True, True, False, True, False, False]
+
+
+def asked(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bool) -> Stimulus:
+    """Job after job, at once or after a pause; slots and image size change as soon as they are no longer looked at."""
+    valid = sum(1 << s for s in range(8) if VALID[s])
+    for n, job in enumerate(jobs):
+        fixed = {"job_i": job, "image_width_i": size[0], "image_height_i": size[1]}
+        yield {**fixed, "rst_i": 0, "start_i": 1, "slot_valid_i": valid}
+        cut = resets and n % 5 == 4
+        for t in range(CHECK_LATENCY + rng.choice((0, 0, 3))):
+            yield {**fixed, "rst_i": int(cut and t == 4), "start_i": 0, "slot_valid_i": rng.getrandbits(8)}
+
+
+@cocotb.test()
+@cocotb.parametrize(resets=[False, True])
+async def every_clock(dut, resets: bool) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    config = TINY if params()["MaxWindow"] == TINY.max_window else FULL
+    size = (config.max_width - 3, config.max_height - 1)
+    jobs = [pack_job(j) for j in mixed(rng, config, size, VALID, 120)]
+    jobs += [rng.getrandbits(JOB.bits) for _ in range(40)]
+    # Exactly at the image's edge, and each limit by itself one past it.
+    base = acceptable(rng, config, size)
+    w, h = base.width, base.height
+    fit = JOB.unpack(pack_job(Job(0, size[0] - w, size[1] - h, w, h, 2, size[0] - w - 1, size[1] - h - 1, 2, 2)))
+    jobs.append(JOB.pack(fit))
+    jobs += [JOB.pack({**fit, name: fit[name] + 1})
+             for name in ("tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y")]
+    seen: Counter[Status] = Counter()
+
+    def count(_i: Inputs, out: Outputs) -> None:
+        if out["done_o"]:
+            assert out["status_o"] is not None
+            seen[Status(out["status_o"])] += 1
+
+    await check_cycles(dut, JobCheckModel(config), asked(rng, jobs, size, resets), count)
+    assert sum(seen.values()) == len(jobs) - (len(jobs) // 5 if resets else 0)
+    assert all(seen[s] >= 5 for s in Status)

@@ -1,0 +1,38 @@
+"""Cocotb side of the `slog_job_plan` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.cycle.correlator.job_check import JobPlanModel, plan_latency
+from golden.traffic.jobs import KINDS, acceptable, mixed
+from golden.params import FULL, TINY
+from golden.structs import pack_job
+
+
+@cocotb.test()
+@cocotb.parametrize(resets=[False, True])
+async def every_clock(dut, resets: bool) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    config = TINY if params()["Width"] == TINY.group_bits else FULL
+    size = (config.max_width, config.max_height)
+    jobs = [acceptable(rng, config, size, kind) for kind in KINDS for _ in range(12)]
+    jobs += mixed(rng, config, size, [True] * 8, 30)
+    rng.shuffle(jobs)
+    known = 0
+
+    def asked() -> Stimulus:
+        for n, job in enumerate(jobs):
+            yield {"rst_i": 0, "start_i": 1, "job_i": pack_job(job)}
+            cut = resets and n % 5 == 4
+            for t in range(plan_latency(config) + rng.choice((0, 0, 4))):
+                yield {"rst_i": int(cut and t == 2), "start_i": 0, "job_i": pack_job(job)}
+
+    def count(_i: Inputs, out: Outputs) -> None:
+        nonlocal known
+        known += out["tpl_o"] is not None
+
+    await check_cycles(dut, JobPlanModel(config), asked(), count)
+    assert known > len(jobs) // 2

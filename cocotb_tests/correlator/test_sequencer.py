@@ -1,0 +1,121 @@
+"""Cocotb side of the `slog_sequencer` test."""
+
+import random
+from collections import Counter, deque
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.array.timing import drain_clocks
+from golden.correlate import Job, Status, check
+from golden.cycle.correlator.sequencer import SequencerModel
+from golden.traffic.jobs import mixed
+from golden.params import TINY
+from golden.structs import STEP, TICKET, pack_job, unpack_job
+
+SIZE = (47, 35)
+VALID = [True] * 6 + [False] * 2
+RING = 2 * TINY.ring_rows
+
+
+def model() -> SequencerModel:
+    return SequencerModel(TINY.group_bits, TINY.pitch, TINY.ring_rows, drain_clocks(TINY.group_bits, TINY.lanes))
+
+
+def work(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: int | None) -> Stimulus:
+    """A fetch unit of sorts: tickets in order while there is a bank, templates and rows written some time later."""
+    ends = {name: willing(shape, rng) for name, shape in shapes.items()}
+    waiting = deque(jobs)
+    loading: deque[tuple[int, int]] = deque()  # (bank, rows still to write)
+    bank, used, done, written, given = 1, 0, 0, 0, 0
+    ticket: int | None = None
+    t = 0
+    quiet = 60
+    while quiet:
+        assert t < 20000, "the jobs never end"
+        if ticket is None and waiting and used < 2 and next(ends["ticket"]):
+            job = waiting[0]
+            status = check(job, TINY, SIZE, VALID)
+            if status is Status.OK:
+                bank, used = 1 - bank, used + 1
+                done &= ~(1 << bank)
+            waiting.popleft()
+            ticket = TICKET.pack({"job": pack_job(job), "status": status, "row": given,
+                                  "bank": bank if status is Status.OK else 1 - bank,
+                                  "area": job.width * job.height & 0x7FFF})
+            if status is Status.OK:
+                rows = job.height + job.offsets_y - 1
+                loading.append((bank, rows))
+                given = (given + rows) % RING
+        reset = int(t == reset_at)
+        out = yield {"rst_i": reset, "ticket_valid_i": int(ticket is not None),
+                     "ticket_i": rng.getrandbits(TICKET.bits) if ticket is None else ticket, "tpl_done_i": done,
+                     "rows_written_i": written, "ctx_ready_i": next(ends["ctx"]), "row_ready_i": next(ends["row"])}
+        t += 1
+        if reset:
+            loading.clear()
+            bank, used, done, written, given = 1, 0, 0, 0, 0
+            if ticket is not None:
+                waiting.appendleft(unpack_job(TICKET.unpack(ticket)["job"]))
+            ticket = None
+            continue
+        if ticket is not None and out["ticket_ready_o"]:
+            ticket = None
+        used -= out["bank_free_o"] or 0
+        if loading and bool(next(ends["load"])):
+            loading_bank, missing = loading[0]
+            freed = out["rows_freed_o"]
+            assert freed is not None
+            if not done >> loading_bank & 1:
+                done |= 1 << loading_bank
+            elif (written - freed) % RING < TINY.ring_rows:
+                written = (written + 1) % RING
+                loading[0] = loading_bank, missing - 1
+                if missing == 1:
+                    loading.popleft()
+        quiet = 60 if waiting or loading or ticket is not None or out["busy_o"] else quiet - 1
+
+
+ENDS = ("ticket", "ctx", "row", "load")
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES, end=("all", *ENDS))
+async def every_clock(dut, shape: str, end: str) -> None:
+    """Each end stalled by itself, and all together."""
+    if shape == "none" and end != "all":
+        return
+    rng = random.Random(cocotb.RANDOM_SEED)
+    jobs = mixed(rng, TINY, SIZE, VALID, 12, most_offsets=40)
+    shapes = {e: shape if end in ("all", e) else "none" for e in ENDS}
+    counts: Counter[str] = Counter()
+
+    def count(i: Inputs, out: Outputs) -> None:
+        counts["ctx"] += bool(out["ctx_valid_o"] and i["ctx_ready_i"])
+        counts["row"] += bool(out["row_valid_o"] and i["row_ready_i"])
+        if out["step_valid_o"]:
+            assert out["step_o"] is not None
+            step = STEP.unpack(out["step_o"])
+            counts["scores"] += step["lanes"] * step["last"]
+
+    await check_cycles(dut, model(), work(rng, jobs, shapes, None), count)
+    good = [j for j in jobs if check(j, TINY, SIZE, VALID) is Status.OK]
+    assert counts["ctx"] == len(jobs) == 12
+    assert counts["row"] == sum(j.offsets_y for j in good) > 20
+    assert counts["scores"] == sum(j.offsets_x * j.offsets_y for j in good) > 100
+
+
+@cocotb.test()
+@cocotb.parametrize(reset_at=(45, 130, 401))
+async def reset_in_work(dut, reset_at: int) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    jobs = mixed(rng, TINY, SIZE, VALID, 12, most_offsets=60)
+    contexts = 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal contexts
+        contexts += bool(out["ctx_valid_o"] and i["ctx_ready_i"])
+
+    await check_cycles(dut, model(), work(rng, jobs, dict.fromkeys(ENDS, "none"), reset_at), count)
+    assert contexts >= 8

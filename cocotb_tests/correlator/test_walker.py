@@ -1,0 +1,58 @@
+"""Cocotb side of the `slog_walker` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.correlator.sequencer import WalkerModel, counts
+from golden.structs import ROW, STEP
+
+
+def random_row(rng: random.Random, pitch: int, ring: int) -> int:
+    steps = rng.choice((1, 1, 2, 3, rng.randint(1, 16)))
+    return ROW.pack({
+        "final_row": rng.getrandbits(1), "bank": rng.getrandbits(1), "wide": rng.getrandbits(1),
+        "odd": rng.getrandbits(1), "ring_row": rng.randrange(ring), "last_lanes": rng.randint(1, pitch + 1),
+        "free_to": rng.randrange(2 * ring),
+        **counts(steps, rng.choice((1, 1, 2, 3, 6)), rng.choice((0, 0, 1, pitch)), rng.choice((0, 0, 1, 2, pitch)))})
+
+
+def rows(rng: random.Random, source: str, pitch: int, ring: int, count: int, reset_at: int) -> Stimulus:
+    offer = willing(source, rng)
+    row: int | None = None
+    clock = 0
+    while count:
+        if row is None and next(offer):
+            row = random_row(rng, pitch, ring)
+        reset = int(clock == reset_at)
+        out = yield {"rst_i": reset, "row_valid_i": int(row is not None),
+                     "row_i": rng.getrandbits(ROW.bits) if row is None else row}
+        clock += 1
+        if row is not None and out["row_ready_o"] and not reset:
+            row = None
+            count -= 1
+    for _ in range(250):
+        yield {"rst_i": 0}
+
+
+@cocotb.test()
+@cocotb.parametrize(source=SHAPES)
+async def every_clock(dut, source: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    p = params()
+    steps = passes = drained = 0
+
+    def count(_i: Inputs, out: Outputs) -> None:
+        nonlocal steps, passes, drained
+        drained += bool(out["drained_o"])
+        if out["step_valid_o"]:
+            assert out["step_o"] is not None
+            steps += 1
+            passes += STEP.unpack(out["step_o"])["last"]
+
+    model = WalkerModel(p["Pitch"], p["RingRows"], p["DrainClocks"])
+    await check_cycles(dut, model, rows(rng, source, p["Pitch"], p["RingRows"], 80, 300), count)
+    assert steps > 400 and passes > 120 and drained > 50

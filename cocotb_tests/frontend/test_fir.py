@@ -1,0 +1,41 @@
+"""Cocotb side of the `slog_fir` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.frontend.log import FirModel, levels
+
+
+def windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
+    """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
+    radius, latency = p["Radius"], 6 + levels(p["Radius"])
+    bits = p["DataW"] * (2 * radius + 1)
+    offer = willing(shape, rng)
+    for run in range(12):
+        coef = rng.getrandbits(18 * (radius + 1) * p["Kernels"])
+        yield {"coef_i": coef, "window_i": rng.getrandbits(bits)}
+        for _ in range(60):
+            yield {"valid_i": next(offer), "coef_i": coef, "window_i": rng.getrandbits(bits)}
+        if run % 4 == 3:
+            yield {"rst_i": 1, "valid_i": 1, "coef_i": coef}
+        for _ in range(latency):
+            yield {"coef_i": coef, "window_i": rng.getrandbits(bits)}
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES)
+async def every_clock(dut, shape: str) -> None:
+    p = params()
+    values: set[int] = set()
+
+    def count(i: Inputs, out: Outputs) -> None:
+        if out["sum_o"] is not None:
+            values.add(out["sum_o"])
+
+    model = FirModel(p["Radius"], p["DataW"], p["Kernels"], p["SumW"], p["Bias"])
+    await check_cycles(dut, model, windows(random.Random(cocotb.RANDOM_SEED), shape, p), count)
+    assert len(values) > 100

@@ -1,0 +1,130 @@
+"""Cocotb side of the `slog_frontend` test: every clock against the cycle model, every plane against the frame level."""
+
+import random
+
+import cocotb
+import numpy as np
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
+from golden.cycle.frontend.frontend import FrontendModel
+from golden.cycle.frontend.log import levels, pack
+from golden.log import binarise, kernels
+
+
+def settings(width: int, height: int, sigma: float) -> Inputs:
+    g, g2 = kernels(sigma, params()["Radius"])
+    return {"width_i": width, "height_i": height, "g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
+
+
+def model() -> FrontendModel:
+    p = params()
+    return FrontendModel(p["MaxWidth"], p["Radius"], p["GroupBits"])
+
+
+def video(rng: random.Random, items: list[Item], common: Inputs, source: str, gap: int = 0) -> Stimulus:
+    """`items` played, the settings there a clock before."""
+    yield common
+    yield from play(items, common, willing(source, rng), rng, gap=gap)
+
+
+def compare(seen: Seen, items: list[Item], sigma: float) -> None:
+    g, g2 = kernels(sigma, params()["Radius"])
+    wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]
+    assert len(seen.planes) == len(wanted) == seen.accepted > 0
+    for got, want in zip(seen.planes, wanted, strict=True):
+        np.testing.assert_array_equal(got, want)
+    assert seen.drops == sum(i.drops for i in items)
+    assert seen.starts == seen.aborts + seen.accepted
+
+
+@cocotb.test()
+@cocotb.parametrize(size=((18, 18), (18, 36), (48, 18), (41, 23)))
+async def sizes(dut, size: tuple[int, int]) -> None:
+    """Frames without any blanking are never stalled, come out right, and the first word when it should."""
+    p = params()
+    rng = random.Random(cocotb.RANDOM_SEED)
+    sigma = rng.choice((1.0, 3.3))
+    items = [good(texture(rng, *size)) for _ in range(3)]
+    seen = Seen(p["GroupBits"], size[0])
+    sent: list[int] = []
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        if i["tvalid_i"] and out["tready_o"] and i["tlast_i"]:
+            sent.append(seen.clock)
+        seen.observe(i, out)
+
+    await check_cycles(dut, model(), video(rng, items, settings(*size, sigma), "none"), watch)
+    compare(seen, items, sigma)
+    assert seen.stalled == 0
+    latency = 34 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
+    rows = [sent[frame * size[1] + p["Radius"]] for frame in range(3)]
+    assert [b - a for a, b in zip(rows, seen.first_word, strict=True)] == [latency] * 3
+
+
+@cocotb.test()
+@cocotb.parametrize(source=SHAPES)
+async def bad_frames(dut, source: str) -> None:
+    """Every kind of bad frame between good ones, at once behind them or after a pause."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    width, height, sigma = 23, 18, 1.7
+    gap = 0 if source in ("none", "random") else 200
+    items = [stray(rng, 5)]
+    for kind in rng.sample(BAD_KINDS, len(BAD_KINDS)):
+        items += [good(texture(rng, width, height)), bad(kind, texture(rng, width, height), rng)]
+    items += [good(texture(rng, width, height)), stray(rng, 40), good(texture(rng, width, height))]
+    seen = Seen(params()["GroupBits"], width)
+    await check_cycles(dut, model(), video(rng, items, settings(width, height, sigma), source, gap), seen.observe)
+    compare(seen, items, sigma)
+
+
+@cocotb.test()
+async def settings_change_in_hold(dut) -> None:
+    """Size and coefficients change between frames while hold keeps the next frame out."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    width = 20
+    runs = [(width, 18, 1.0), (width, 30, 2.0), (width, 18, 4.0)]
+    items = [[good(texture(rng, w, h)) for _ in range(2)] for w, h, _ in runs]
+    seen = Seen(params()["GroupBits"], width)
+
+    def stimulus() -> Stimulus:
+        for batch, now, following in zip(items, runs, [*runs[1:], runs[-1]], strict=True):
+            yield from video(rng, batch, settings(*now), "random")
+            yield {**settings(*now), "hold_i": 1}
+            for n in range(20):  # an impatient source
+                common = settings(*(now if n < 18 else following))
+                out = yield {**common, "hold_i": 1, "tvalid_i": 1, "tuser_i": 1, "tdata_i": 1}
+                assert not out["tready_o"]
+
+    await check_cycles(dut, model(), stimulus(), seen.observe)
+    planes = [binarise(i.good, *kernels(s, params()["Radius"])) for batch, (_, _, s) in zip(items, runs, strict=True)
+              for i in batch if i.good is not None]
+    assert len(seen.planes) == len(planes) == 6
+    for got, want in zip(seen.planes, planes, strict=True):
+        np.testing.assert_array_equal(got, want)
+
+
+@cocotb.test()
+async def reset_in_mid_frame(dut) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    width, height, sigma = 18, 19, 2.0
+    common = settings(width, height, sigma)
+    last = [good(texture(rng, width, height)) for _ in range(2)]
+    seen = Seen(params()["GroupBits"], width)
+
+    def stimulus() -> Stimulus:
+        yield common
+        for _ in range(8):
+            run = play([good(texture(rng, width, height)) for _ in range(2)], common, willing("none", rng), rng)
+            i = next(run)
+            for _ in range(rng.randint(1, 2 * width * height)):
+                i = run.send((yield i))
+            yield {**common, "rst_i": 1, "tvalid_i": 1}
+        seen.planes.clear()
+        seen.accepted = seen.drops = seen.starts = seen.aborts = 0
+        yield from play(last, common, willing("none", rng), rng)
+
+    await check_cycles(dut, model(), stimulus(), seen.observe)
+    compare(seen, last, sigma)

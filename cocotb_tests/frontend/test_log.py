@@ -1,0 +1,53 @@
+"""Cocotb side of the `slog_log` test: fed with what the model of `slog_video_in` makes of good and bad video."""
+
+import random
+
+import cocotb
+import numpy as np
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles, run_model
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import willing
+from golden.traffic.video import bad, good, play, texture
+from golden.cycle.frontend.frontend import VideoInModel
+from golden.cycle.frontend.log import LogModel, pack
+from golden.log import kernels
+
+
+def recorded(rng: random.Random, radius: int, width: int, height: int, shape: str) -> list[Inputs]:
+    """Inputs of every clock of a few frames, good ones and one that dies half-way."""
+    clocks: list[Inputs] = []
+    faint = np.random.default_rng(1).integers(126, 130, (height, width), dtype=np.uint8)
+    items = [good(texture(rng, width, height)), good(texture(rng, width, height)),
+             bad("cut_line", texture(rng, width, height), rng), good(texture(rng, width, height)), good(faint)]
+    run_model(VideoInModel(radius), play(items, {"width_i": width, "height_i": height}, willing(shape, rng), rng),
+              lambda i, out: clocks.append({f"{k[:-2]}_i": v or 0 for k, v in out.items() if k.startswith("px_")}))
+    return clocks
+
+
+@cocotb.test()
+@cocotb.parametrize(size=((18, 18), (31, 20), (48, 19)), sigma=(1.0, 4.0, None))
+async def every_clock(dut, size: tuple[int, int], sigma: float | None) -> None:
+    """LoG kernels, and a small pair that lets the rounding between the passes decide over many signs."""
+    p = params()
+    rng = random.Random(cocotb.RANDOM_SEED)
+    shape = rng.choice(("none", "random"))
+    rest = (0,) * (p["Radius"] - 2)
+    g, g2 = kernels(sigma, p["Radius"]) if sigma else ((33, 15, *rest, 1), (-62, 30, *rest, 1))
+    coefs = {"g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
+    clocks = recorded(rng, p["Radius"], *size, shape)
+    bits = [0, 0]
+
+    def stimulus() -> Stimulus:
+        for px in clocks:
+            yield {**coefs, **px}
+        for n in range(LogModel(p["MaxWidth"], p["Radius"]).latency + 2):
+            yield {**coefs, "rst_i": int(size[0] == 31 and n == 20)}  # a reset with the last row under way
+
+    def count(i: Inputs, out: Outputs) -> None:
+        if out["bit_valid_o"]:
+            assert out["bit_o"] is not None
+            bits[out["bit_o"]] += 1
+
+    await check_cycles(dut, LogModel(p["MaxWidth"], p["Radius"]), stimulus(), count)
+    assert min(bits) > size[0] * size[1]

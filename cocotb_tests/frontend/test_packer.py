@@ -1,0 +1,44 @@
+"""Cocotb side of the `slog_packer` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.frontend.frontend import PackerModel
+
+
+def rows(rng: random.Random, shape: str, group: int) -> Stimulus:
+    """Rows of every length around the word's, some cut off by an abort, one reset."""
+    offer = willing(shape, rng)
+    for n in range(60):
+        length = rng.randint(1, 3 * group + 1)
+        for x in range(length):
+            while not next(offer):
+                yield {"bit_i": rng.getrandbits(1), "bit_last_i": rng.getrandbits(1)}
+            last = int(x == length - 1)
+            yield {"bit_valid_i": 1, "bit_i": rng.getrandbits(1), "bit_last_i": last,
+                   "bit_start_i": int(x == 0 and n % 5 == 0), "bit_done_i": last & int(n % 5 == 4)}
+            if rng.random() < 0.02:
+                yield {"bit_abort_i": 1, "bit_i": 1, "bit_last_i": 1}
+                break
+        if n == 30:
+            yield {"bit_valid_i": 1, "bit_i": 1}
+            yield {"rst_i": 1, "bit_valid_i": 1, "bit_i": 1, "bit_last_i": 1, "bit_start_i": 1, "bit_done_i": 1}
+    yield {}
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES)
+async def every_clock(dut, shape: str) -> None:
+    group = params()["GroupBits"]
+    words = 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal words
+        words += out["word_valid_o"] or 0
+
+    await check_cycles(dut, PackerModel(group), rows(random.Random(cocotb.RANDOM_SEED), shape, group), count)
+    assert words > 60

@@ -1,0 +1,39 @@
+"""Cocotb side of the `slog_taps` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.cycle.frontend.log import TapsModel
+
+
+def lines(rng: random.Random, radius: int, width: int) -> Stimulus:
+    """Lines from the shortest allowed on, pauses of every length up to past the window; resets in mid-line."""
+    for count in range(60):
+        length = rng.randint(2 * radius + 2, width)
+        cut = rng.randrange(length) if count % 20 == 19 else length
+        for x in range(cut):
+            yield {"valid_i": 1, "first_i": int(x == 0), "last_i": int(x == length - 1),
+                   "a_i": rng.getrandbits(18), "b_i": rng.getrandbits(18)}
+        if cut < length:
+            yield {"rst_i": 1, "valid_i": 1, "first_i": 1, "last_i": 1}
+        for _ in range(rng.choice((0, 0, 1, radius - 1, radius, radius + 1, 3 * radius))):
+            yield {"valid_i": 0, "a_i": rng.getrandbits(18), "b_i": rng.getrandbits(18)}
+    for _ in range(2 * radius):
+        yield {}
+
+
+@cocotb.test()
+async def every_clock(dut) -> None:
+    p = params()
+    radius = p["Radius"]
+    valid = 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal valid
+        valid += out["valid_o"] or 0
+
+    await check_cycles(dut, TapsModel(radius), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
+    assert valid > 50 * (2 * radius + 2)

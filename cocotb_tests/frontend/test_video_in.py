@@ -1,0 +1,91 @@
+"""Cocotb side of the `slog_video_in` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.video import BAD_KINDS, bad, good, play, stray, texture
+from golden.cycle.frontend.frontend import VideoInModel
+
+WIDTH, HEIGHT = 19, 18
+
+
+@cocotb.test()
+@cocotb.parametrize(source=SHAPES, held=(False, True))
+async def every_clock(dut, source: str, held: bool) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    kinds = rng.sample(BAD_KINDS, len(BAD_KINDS))
+    items = [stray(rng, 30)]
+    for kind in kinds:
+        items += [good(texture(rng, WIDTH, HEIGHT)) for _ in range(rng.randint(0, 1))]
+        items.append(bad(kind, texture(rng, WIDTH, HEIGHT), rng))
+    items += [good(texture(rng, WIDTH, HEIGHT)), stray(rng, 3), good(texture(rng, WIDTH, HEIGHT))]
+    counts = {"accepted_o": 0, "dropped_o": 0, "px_start_o": 0, "px_abort_o": 0, "px_done_o": 0}
+
+    def count(i: Inputs, out: Outputs) -> None:
+        for name in counts:
+            counts[name] += out[name] or 0
+
+    hold = willing("long", rng) if held else None
+    settings = {"width_i": WIDTH, "height_i": HEIGHT}
+    await check_cycles(dut, VideoInModel(params()["Radius"]),
+                       play(items, settings, willing(source, rng), rng, gap=40, hold=hold), count)
+    if not held:  # hold keeps surplus lines out until the frame before has left
+        assert counts["accepted_o"] == sum(i.good is not None for i in items)
+    assert counts["dropped_o"] == sum(i.drops for i in items)
+    assert counts["px_done_o"] == counts["accepted_o"] >= 3
+    assert counts["px_start_o"] == counts["px_done_o"] + counts["px_abort_o"]
+
+
+@cocotb.test()
+async def reset_in_mid_frame(dut) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    settings = {"width_i": WIDTH, "height_i": HEIGHT}
+    frame = WIDTH * HEIGHT
+    done = 0
+
+    def stimulus() -> Stimulus:
+        for _ in range(8):
+            items = [good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)]
+            run = play(items, settings, willing("random", rng), rng)
+            i = next(run)
+            try:
+                for _ in range(rng.randint(1, 5 * frame)):
+                    i = run.send((yield i))
+            except StopIteration:
+                pass
+            yield {**settings, "rst_i": 1, "tvalid_i": 1, "tdata_i": 3, "tuser_i": rng.getrandbits(1)}
+        yield from play([good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)], settings, willing("none", rng), rng)
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal done
+        done += out["px_done_o"] or 0
+
+    await check_cycles(dut, VideoInModel(params()["Radius"]), stimulus(), count)
+    assert done >= 3
+
+
+@cocotb.test()
+async def latency(dut) -> None:
+    """The first pixel of a line that finds everything idle comes 6 clocks after the line's last pixel went in."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    last_in: list[int] = []
+    first_out: list[int] = []
+    clock = 0
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        nonlocal clock
+        if i["tvalid_i"] and out["tready_o"] and i["tlast_i"]:
+            last_in.append(clock)
+        if out["px_valid_o"] and out["px_first_o"] and len(first_out) < HEIGHT:
+            first_out.append(clock)
+        clock += 1
+
+    items = [good(texture(rng, WIDTH, HEIGHT))]
+    await check_cycles(dut, VideoInModel(params()["Radius"]),
+                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, willing("none", rng), rng), watch)
+    assert len(last_in) == HEIGHT
+    assert [b - a for a, b in zip(last_in, first_out, strict=True)] == [VideoInModel.LATENCY] * HEIGHT

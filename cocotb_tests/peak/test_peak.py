@@ -1,0 +1,88 @@
+"""Cocotb side of the `slog_peak` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.peak.peak import PeakModel
+from golden.traffic.peak import PeakTask, PeakTraffic, random_task, refused_task
+
+
+def model() -> PeakModel:
+    p = params()
+    return PeakModel(p["MaxOffsets"], p["ScoreDepth"], p["ResultDepth"])
+
+
+def mixed_tasks(rng: random.Random, count: int, widest: int) -> list[PeakTask]:
+    """Jobs of all small shapes, ties, refused ones, and one as wide as it gets."""
+    area = 1 << params()["ScoreBits"] - 1
+    tasks = []
+    for k in range(count):
+        if rng.random() < 0.2:
+            tasks.append(refused_task(rng))
+        else:
+            cols, rows = rng.choice(((1, 1), (2, 1), (1, 2), (2, 2), (3, 3), (1, 7), (9, 5), (12, 4), (5, 2)))
+            tasks.append(random_task(rng, cols, rows, area, rng.choice((0, 2, area))))
+        if k == count // 2:
+            tasks.append(random_task(rng, widest, 3, area))
+    return tasks
+
+
+async def run(dut, traffic: PeakTraffic) -> PeakTraffic:
+    clocks = await check_cycles(dut, model(), traffic.stimulus())
+    assert clocks == traffic.clocks > 100
+    traffic.check()
+    return traffic
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES)
+async def results_stalled(dut, shape: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    await run(dut, PeakTraffic(mixed_tasks(rng, 30, params()["MaxOffsets"]), rng, results=willing(shape, rng)))
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES)
+async def surface_stalled(dut, shape: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED + 1)
+    await run(dut, PeakTraffic(mixed_tasks(rng, 20, params()["MaxOffsets"]), rng, surface=willing(shape, rng),
+                               results=willing("cyclic", rng)))
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES[1:])
+async def gaps_between_scores(dut, shape: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED + 2)
+    tasks = mixed_tasks(rng, 20, params()["MaxOffsets"])
+    await run(dut, PeakTraffic(tasks, rng, scores=willing(shape, rng), latency=3))
+
+
+@cocotb.test()
+async def full_result_queue(dut) -> None:
+    """No host for a long time: the queue fills, the array stops, and nothing is lost."""
+    rng = random.Random(cocotb.RANDOM_SEED + 3)
+    tasks = [random_task(rng, 6, 3, 256) for _ in range(3 * params()["ResultDepth"] + 20)]
+    wait = 40 * len(tasks)
+    t = await run(dut, PeakTraffic(tasks, rng, results=iter([0] * wait + [1] * 10**5)))
+    assert t.waits > wait // 4
+
+
+@cocotb.test()
+async def equal_jobs_never_wait(dut) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED + 4)
+    for cols, rows, period in ((33, 3, 1), (9, 5, 1), (3, 4, 8)):
+        tasks = [random_task(rng, cols, rows, 256, latency) for latency in (0, 256) * 5]
+        t = await run(dut, PeakTraffic(tasks, rng, period=period, latency=12))
+        assert t.waits <= 8
+        assert t.clocks <= 10 * rows * max(cols, period) + 12 + 2 * cols + 48
+
+
+@cocotb.test()
+async def reset_in_mid_work(dut) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED + 5)
+    for reset_at in (61, 148, 233):
+        await run(dut, PeakTraffic(mixed_tasks(rng, 12, 20), rng, reset_at=reset_at, results=willing("random", rng)))

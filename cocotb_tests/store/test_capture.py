@@ -1,0 +1,181 @@
+"""Cocotb side of the `slog_capture` test."""
+
+import itertools
+import random
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.cycle.store.capture import HOPS, CaptureModel
+
+CLOCKS = 3000
+
+
+@dataclass
+class Wire:
+    """One camera's front-end outputs in a clock."""
+
+    valid: int = 0
+    data: int = 0
+    last: int = 0
+    start: int = 0
+    done: int = 0
+    abort: int = 0
+
+
+@dataclass
+class Seen:
+    """What the test watched happen."""
+
+    captures: int = 0
+    aborted: int = 0
+    refused: int = 0
+    given_up: int = 0
+    both: int = 0
+    memory: dict[int, int] = field(default_factory=dict)
+
+
+def camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) -> Iterator[Wire]:
+    """Endless frames of `rows` x 1..`words` words; four in ten aborted half-way. Tight: no pause but what the
+    narrowest image enforces: two words together at a row's end, then eight clocks."""
+    while True:
+        for _ in range(0 if tight else rng.randrange(60)):
+            yield Wire(data=rng.getrandbits(bits))
+        yield Wire(start=1)
+        across = rng.randint(1, words)
+        total = rows * across
+        stop = rng.randrange(total) if rng.random() < 0.4 else None
+        for _ in range(6 if tight else rng.randrange(6, 20)):
+            yield Wire(data=rng.getrandbits(bits))
+        for k in range(total):
+            if k == stop:
+                yield Wire(abort=1)
+                break
+            end = k % across == across - 1
+            final = k == total - 1
+            together = final and rng.random() < 0.5
+            yield Wire(1, rng.getrandbits(bits), int(end), done=int(together))
+            if final and not together:
+                yield Wire(done=1)
+            if k % across != across - 2:
+                for _ in range(7 if tight else rng.randrange(1, 9)):
+                    yield Wire(data=rng.getrandbits(bits))
+
+
+def traffic(rng: random.Random, p: dict[str, int], tight: bool, resets: bool) -> Stimulus:
+    """Frames on every camera, commands good and bad, busy slots."""
+    cameras, bits = p["Cameras"], p["GroupBits"]
+    rows = p["SlotWords"] // p["WordsPerRow"]
+    feeds = [camera(rng, rows, p["WordsPerRow"], bits, tight) for _ in range(cameras)]
+    busy = 0
+    out: Outputs = {"writing_o": 0}
+    for t in range(CLOCKS):
+        wires = [next(f) for f in feeds]
+        if rng.random() < 0.05:
+            busy = rng.getrandbits(8) & rng.getrandbits(8)
+        pack = {name: sum(getattr(w, name) << c for c, w in enumerate(wires))
+                for name in ("valid", "last", "start", "done", "abort")}
+        out = yield {
+            "rst_i": int(resets and t % 911 == 910), "cmd_valid_i": int(rng.random() < 0.04),
+            "cmd_cancel_i": int(rng.random() < 0.1), "cmd_camera_i": rng.getrandbits(1),
+            "cmd_slot_i": rng.getrandbits(3), "clear_i": int(rng.random() < 0.002 and not out["writing_o"]),
+            "slot_busy_i": busy, "word_valid_i": pack["valid"],
+            "word_data_i": sum(w.data << c * bits for c, w in enumerate(wires)), "word_last_i": pack["last"],
+            "frame_start_i": pack["start"], "frame_done_i": pack["done"], "frame_abort_i": pack["abort"]}
+
+
+@cocotb.test()
+@cocotb.parametrize(tight=[False, True], resets=[False, True])
+async def every_clock(dut, tight: bool, resets: bool) -> None:
+    p = params()
+    rng = random.Random(cocotb.RANDOM_SEED)
+    model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
+    seen = Seen()
+    # Per camera: words by place in the slot.
+    frames: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
+    whole: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
+    place = [0] * p["Cameras"]
+    before = {"writing_o": 0, "armed_o": 0}
+    commands = deque([0, 0], 2)
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        """A slot that becomes valid must hold exactly the words of the frame its camera finished last."""
+        if out["wr_valid_o"]:
+            seen.memory[out["wr_addr_o"]] = out["wr_data_o"]
+        for c in range(p["Cameras"]):
+            if i["frame_start_i"] >> c & 1:
+                frames[c], place[c] = {}, 0
+            if i["word_valid_i"] >> c & 1:
+                frames[c][place[c]] = i["word_data_i"] >> c * p["GroupBits"] & (1 << p["GroupBits"]) - 1
+                place[c] += 1
+                if i["word_last_i"] >> c & 1:
+                    place[c] = -(-place[c] // p["WordsPerRow"]) * p["WordsPerRow"]
+            if i["frame_done_i"] >> c & 1:
+                whole[c] = frames[c]
+            seen.aborted += i["frame_abort_i"] >> c & 1 and out["writing_o"] >> c & 1
+        fell = before["writing_o"] & ~out["writing_o"]
+        if out["done_o"]:
+            ended = fell & before["armed_o"] & ~out["armed_o"]
+            done = [c for c in range(p["Cameras"]) if ended >> c & 1]
+            for c in done:
+                slot = model.channels[c].slot
+                base = slot * p["SlotWords"]
+                stored = {k: seen.memory.get(base + k) for k in whole[c]}
+                if not commands[0]:  # else the slot may be another by now
+                    assert stored == whole[c], f"slot {slot} does not hold camera {c}'s frame"
+                    seen.captures += 1
+            seen.both += out["writing_o"] != 0
+        seen.given_up += bool(fell & out["armed_o"])
+        seen.refused += out["refused_o"]
+        before.update(writing_o=out["writing_o"], armed_o=out["armed_o"])
+        commands.append(i["cmd_valid_i"])
+
+    assert await check_cycles(dut, model, traffic(rng, p, tight, resets), watch) == CLOCKS
+    assert seen.captures >= 4 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 1
+    assert p["Cameras"] == 1 or seen.both >= 1
+
+
+def burst(p: dict[str, int]) -> Stimulus:
+    """One frame of single words, 12 clocks apart, into slot 1 of an idle unit."""
+    yield {"cmd_valid_i": 1, "cmd_slot_i": 1}
+    yield {}
+    yield {}
+    yield {"frame_start_i": 1}
+    for _ in range(8):
+        yield {}
+    for k in range(p["SlotWords"]):
+        yield {"word_valid_i": 1, "word_data_i": k, "word_last_i": int((k + 1) % p["WordsPerRow"] == 0)}
+        for _ in range(11):
+            yield {}
+    yield {"frame_done_i": 1}
+    for _ in range(5 + HOPS):
+        yield {}
+
+
+@cocotb.test()
+async def latency(dut) -> None:
+    """Word to store write takes seven clocks; the slot is valid seven clocks after frame_done_i."""
+    p = params()
+    model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
+    words, writes, marks = [], [], {}
+    clocks = itertools.count()
+
+    def watch(i: Inputs, out: Outputs) -> None:
+        t = next(clocks)
+        if i["word_valid_i"]:
+            words.append(t)
+        if out["wr_valid_o"]:
+            writes.append((t, out["wr_addr_o"], out["wr_data_o"]))
+        if i["frame_done_i"]:
+            marks["done"] = t
+        if out["slot_valid_o"]:
+            marks.setdefault("valid", t)
+
+    await check_cycles(dut, model, burst(p), watch)
+    assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [5 + HOPS] * p["SlotWords"]
+    assert [(a, d) for _, a, d in writes] == [(p["SlotWords"] + k, k) for k in range(p["SlotWords"])]
+    assert marks["valid"] - marks["done"] == 5 + HOPS

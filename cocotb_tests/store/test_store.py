@@ -1,0 +1,92 @@
+"""Cocotb side of the `slog_store` test."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.params import params
+from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.store.store import STORE_LATENCY, StoreModel
+
+CLOCKS = 1500
+
+
+def traffic(rng: random.Random, words: int, width: int, reads: str, peeks: str) -> Stimulus:
+    """Writes, reads and peeks at hot addresses and at bank edges; no read of what was written in the clock before."""
+    hot = [0, words - 1, *rng.sample(range(words), 12), *(k for k in range(511, words, 512)), *range(512, words, 512)]
+    read, peek = willing(reads, rng), willing(peeks, rng)
+    peeked: int | None = None
+    pending: int | None = None
+    written: int | None = None
+    for t in range(CLOCKS):
+        if peeked is None and next(peek):
+            peeked = rng.choice(hot)
+        rd_valid, rd_addr, wr_addr = next(read), rng.choice([a for a in hot if a != written]), rng.choice(hot)
+        wr_valid = int(rng.random() < 0.5 and wr_addr not in (pending, peeked))
+        written = wr_addr if wr_valid else None
+        out = yield {"rst_i": int(t == CLOCKS // 2), "wr_valid_i": wr_valid, "wr_addr_i": wr_addr,
+                     "wr_data_i": rng.getrandbits(width), "rd_valid_i": rd_valid, "rd_addr_i": rd_addr,
+                     "peek_valid_i": int(peeked is not None),
+                     "peek_addr_i": rng.choice(hot) if peeked is None else peeked}
+        if peeked is not None and out["peek_ready_o"]:
+            pending, peeked = peeked, None
+        if out["peek_done_o"]:
+            pending = None
+
+
+@cocotb.test()
+@cocotb.parametrize(reads=SHAPES, peeks=("none", "random"))
+async def every_clock(dut, reads: str, peeks: str) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    values: set[int] = set()
+    done = 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal done
+        done += bool(out["peek_done_o"])
+        if out["rd_data_o"] is not None:
+            values.add(out["rd_data_o"])
+
+    p = params()
+    await check_cycles(dut, StoreModel(p["Words"]), traffic(rng, p["Words"], p["Width"], reads, peeks), count)
+    assert len(values) > 100
+    # Reads in every clock leave a peek nothing.
+    assert done == 0 if reads == "none" else done > 15
+
+
+@cocotb.test()
+async def latency(dut) -> None:
+    """Read to data 10 clocks; peek to done 11 when nothing else is read, the wait for a free clock on top."""
+    p = params()
+    seen: list[tuple[int, str, int | None]] = []
+    quiet = {"rst_i": 0, "wr_valid_i": 0, "rd_valid_i": 0, "peek_valid_i": 0}
+
+    def script() -> Stimulus:
+        yield {**quiet, "wr_valid_i": 1, "wr_addr_i": 700, "wr_data_i": 0xA5}
+        yield {**quiet, "wr_valid_i": 1, "wr_addr_i": 3, "wr_data_i": 0x3C}
+        yield {**quiet, "rd_valid_i": 1, "rd_addr_i": 700}
+        for _ in range(STORE_LATENCY + 1):
+            yield quiet
+        yield {**quiet, "peek_valid_i": 1, "peek_addr_i": 3}
+        for _ in range(STORE_LATENCY + 2):
+            yield quiet
+        yield {**quiet, "peek_valid_i": 1, "peek_addr_i": 700}
+        for _ in range(3):
+            yield {**quiet, "rd_valid_i": 1, "rd_addr_i": 3}
+        for _ in range(STORE_LATENCY + 1):
+            yield quiet
+
+    clock = 0
+
+    def note(_i: Inputs, out: Outputs) -> None:
+        nonlocal clock
+        if out["peek_done_o"]:
+            seen.append((clock, "peek", out["peek_data_o"]))
+        if out["rd_data_o"] is not None and not any(kind == "read" for _, kind, _ in seen):
+            seen.append((clock, "read", out["rd_data_o"]))
+        clock += 1
+
+    await check_cycles(dut, StoreModel(p["Words"]), script(), note)
+    assert seen == [(2 + STORE_LATENCY, "read", 0xA5), (5 + 2 * STORE_LATENCY, "peek", 0x3C),
+                    (11 + 3 * STORE_LATENCY, "peek", 0xA5)]

@@ -1,0 +1,112 @@
+"""Cycle model of `slog_board`, composed of the models of its blocks.
+
+Within a clock the blocks hear from one another only through registered outputs; what a block needs from one stepped
+after it is read from that one's state.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+
+from golden.cycle.store.capture import CaptureModel
+from golden.cycle.control.control import ControlModel
+from golden.cycle.correlator.correlator import CorrelatorModel
+from golden.cycle.control.csr import CsrModel, FieldPlace
+from golden.cycle.frontend.frontend import FrontendModel
+from golden.cycle.correlator.grid import GridModel
+from golden.cycle.cells.ram_fifo import RamFifoModel
+from golden.cycle.store.store import StoreModel
+from golden.params import PIXEL_BITS, Config
+
+Values = dict[str, int | None]
+
+
+def known(values: Mapping[str, int | None]) -> dict[str, int]:
+    """Undefined values as 0: for blocks that look at them only when they are defined."""
+    return {name: value or 0 for name, value in values.items()}
+
+
+class BoardModel:
+    """The whole board. Vectors over cameras are packed, camera 0 lowest.
+
+    Args:
+        config: the build.
+        fields: the register map, as in `CsrModel`.
+    """
+
+    INPUTS = ("rst_i", *CsrModel.INPUTS, "vid_tdata_i", "vid_tvalid_i", "vid_tuser_i", "vid_tlast_i", "surf_tready_i")
+    OUTPUTS = (*CsrModel.OUTPUTS, "vid_tready_o", "surf_tdata_o", "surf_tvalid_o", "surf_tuser_o", "surf_tlast_o",
+               "irq_o")
+
+    def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
+        c = self.config = config
+        self.resets = deque([1, 1, 1])  # of the three clocks before
+        self.control = ControlModel(c, fields)
+        self.front = [FrontendModel(c.max_width, c.radius, c.group_bits) for _ in range(c.cameras)]
+        self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)
+        self.store = StoreModel(c.store_words)
+        self.grid = GridModel()
+        self.jobs = RamFifoModel(c.job_depth)
+        self.correlator = CorrelatorModel(c)
+
+    def step(self, i: Mapping[str, int]) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        self.resets.append(i["rst_i"])
+        rst = self.resets.popleft()
+        i = {**i, "rst_i": rst}
+        control = self.control.outputs()
+        capture = self.capture.outputs()
+        fronts = self._cameras(i, known(control))
+        level = self.jobs.level
+        job, laid = self._lay(rst, known(control))
+        work = self.correlator.step({
+            "rst_i": rst, "job_valid_i": job["out_valid_o"] or 0, "job_i": job["out_data_o"] or 0,
+            "image_width_i": control["width_o"] or 0, "image_height_i": control["height_o"] or 0,
+            "slot_valid_i": capture["slot_valid_o"] or 0, "rd_data_i": self.store.data or 0,
+            "surf_tready_i": i["surf_tready_i"], "res_ready_i": control["result_ready_o"] or 0})
+        store = self.store.step(known({
+            "rst_i": rst, **{f"wr_{name}_i": capture[f"wr_{name}_o"] for name in ("valid", "addr", "data")},
+            "rd_valid_i": work["rd_valid_o"], "rd_addr_i": work["rd_addr_o"],
+            "peek_valid_i": control["peek_valid_o"], "peek_addr_i": control["peek_addr_o"]}))
+        events = known({
+            **i, "active_i": fronts["busy_o"], "accepted_i": fronts["accepted_o"], "dropped_i": fronts["dropped_o"],
+            "slot_valid_i": capture["slot_valid_o"], "armed_i": capture["armed_o"], "writing_i": capture["writing_o"],
+            "refused_i": capture["refused_o"], "captured_i": capture["done_o"], "job_ready_i": laid["job_ready_o"],
+            "job_level_i": level, "job_busy_i": int(bool(work["busy_o"] or level or not laid["job_ready_o"])),
+            "result_valid_i": work["res_valid_o"], "result_level_i": work["res_level_o"],
+            "work_i": work["busy_o"], "score_i": work["score_o"], "peek_ready_i": store["peek_ready_o"],
+            "peek_done_i": store["peek_done_o"]})
+        self.control.edge(events, work["res_o"], store["peek_data_o"])
+        self.capture.step({
+            "rst_i": rst, "cmd_valid_i": control["capture_valid_o"] or 0,
+            "cmd_cancel_i": control["capture_cancel_o"] or 0, "cmd_camera_i": control["capture_camera_o"] or 0,
+            "cmd_slot_i": control["capture_slot_o"] or 0, "clear_i": control["slots_clear_o"] or 0,
+            "slot_busy_i": work["slot_busy_o"] or 0,
+            **{f"{name}_i": fronts[f"{name}_o"] for name in ("word_valid", "word_data", "word_last", "frame_start",
+                                                             "frame_done", "frame_abort")}})
+        return {**{name: control[name] for name in CsrModel.OUTPUTS}, "vid_tready_o": fronts["tready_o"],
+                **{name: work[name] for name in self.OUTPUTS if name.startswith("surf_")}, "irq_o": control["irq_o"]}
+
+    def _cameras(self, i: Mapping[str, int], control: dict[str, int]) -> dict[str, int]:
+        """Outputs of both front ends, packed."""
+        packed = dict.fromkeys((*FrontendModel.OUTPUTS,), 0)
+        settings = {f"{name}_i": control[f"{name}_o"] for name in ("width", "height", "g", "g2")}
+        for c, front in enumerate(self.front):
+            out = front.step({
+                "rst_i": i["rst_i"], **settings, "hold_i": control["hold_o"] >> c & 1,
+                "tdata_i": i["vid_tdata_i"] >> PIXEL_BITS * c & (1 << PIXEL_BITS) - 1,
+                **{f"t{name}_i": i[f"vid_t{name}_i"] >> c & 1 for name in ("valid", "user", "last")}})
+            for name, value in out.items():
+                packed[name] |= (value or 0) << c * (self.config.group_bits if name == "word_data_o" else 1)
+        return packed
+
+    def _lay(self, rst: int, control: dict[str, int]) -> tuple[Values, Values]:
+        """Outputs of the job queue and of the grid before it."""
+        laid = self.grid.step({
+            "rst_i": rst, "job_valid_i": control["job_valid_o"], "job_i": control["job_o"],
+            "count_x_i": control["grid_x_o"], "count_y_i": control["grid_y_o"], "step_x_i": control["step_x_o"],
+            "step_y_i": control["step_y_o"], "job_ready_i": int(self.jobs.level < self.config.job_depth)})
+        job = self.jobs.step({"rst_i": rst, "in_valid_i": laid["job_valid_o"] or 0, "in_data_i": laid["job_o"] or 0,
+                              "out_ready_i": int(self.correlator.fetch.state == "idle")})
+        return job, laid

@@ -1,0 +1,289 @@
+"""Cycle models of `slog_control` and its parts: coefficient bank, peek port, counters, registers."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+
+from golden.cycle.control.csr import CsrModel, FieldPlace
+from golden.params import COEF_BITS, COEF_FRACTION, Config
+from golden.structs import JOB, RESULT
+
+SETTLE = 12
+STORED = {
+    "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
+    "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
+    "job.window.width": 0, "job.window.height": 0, "job.search.x": 0, "job.search.y": 0, "job.search.slot": 0,
+    "job.offsets.across": 0, "job.offsets.down": 0, "job.grid.across": 1, "job.grid.down": 1, "job.step.x": 0,
+    "job.step.y": 0, "job.submit.tag": 0, "job.submit.surface": 0, "peek_address.word": 0,
+    "irq_enable.result": 0, "irq_enable.capture": 0, "irq_enable.drop": 0, "irq_enable.overflow": 0,
+}
+OVERFLOW = 5
+"""Its place among the counters."""
+EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
+
+
+class FilterBankModel:
+    """`slog_filter_bank`: coefficients as lists, centre first; the active ones are undefined until shifted in."""
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.active: dict[int, list[int | None]] = {kernel: [None] * config.coefs for kernel in (0, 1)}
+        self.load: int | None = None  # clocks since the shifting was ordered
+        self.reset()
+
+    def reset(self) -> None:
+        """State after reset: zeros are being shifted in; a shift in the clock of the reset still takes place."""
+        self._shift()
+        zeros = [0] * self.config.coefs
+        self.staged = {0: list(zeros), 1: list(zeros)}
+        self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
+        self.camera = False  # one was active in the clock before
+        # Coefficients on their way to be staged: kernel, index, value.
+        self.coming: deque[tuple[int, int, int] | None] = deque([None] * 5, 5)
+        self.hold = [1] * self.config.cameras
+        self.taking: tuple[int, int] | None = None  # size to be put in use
+        self.load = 1
+        self.clearing = True
+        self.read = self.next = {0: 0, 1: 0}  # what the first coefficients take, in the next clock and now
+        self.size = (self.config.max_width, self.config.max_height)
+
+    @property
+    def busy(self) -> int:
+        """A commit waits, or coefficients are shifted in."""
+        return int(self.pending or self.taking is not None or self.load is not None)
+
+    def coefs(self, second: int) -> int | None:
+        """The packed active coefficients."""
+        values = [v for v in self.active[second] if v is not None]
+        whole = len(values) == self.config.coefs
+        return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
+
+    def _shift(self) -> None:
+        """Shift p reaches coefficient k of g in clock 4 + 2 * p + coefs - 1 - k of the loading, of g2 in the next;
+        two clocks after the last one it ends."""
+        if self.load is None:
+            return
+        count = self.config.coefs
+        shifted = [count + 3 + 2 * p - self.load for p in range(count)]
+        for kernel, values in self.active.items():
+            before = [self.next[kernel], *values[:-1]]
+            for k in (at + kernel for at in shifted):
+                if 0 <= k < count:
+                    values[k] = before[k]
+        place = count - 1 - sum(k <= 0 for k in shifted)  # of the next shift to come
+        self.next = self.read
+        if place >= 0:
+            self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
+        self.load += 1
+        if self.load == 3 * count + 5:
+            self.load, self.clearing = None, False
+
+    def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
+             active: int) -> None:
+        """Take the clock edge."""
+        c = self.config
+        self.hold = [self.busy, *self.hold[:-1]]
+        calm = bool(self.pending and not self.camera and self.taking is None and self.load is None)
+        apply = calm and self.settle == SETTLE
+        self.changed = 0
+        self._shift()
+        if self.taking is not None:
+            good = c.min_image <= self.taking[0] <= c.max_width and c.min_image <= self.taking[1] <= c.max_height
+            self.error = int(not good)
+            if good:
+                self.changed, self.size = int(self.taking != self.size), self.taking
+            self.load = 1
+        self.taking = size if apply else None
+        self.coming.append((second, index, value) if coef and index < c.coefs else None)
+        for kernel in (0, 1):
+            came = self.coming[1 - kernel]
+            if came is not None and came[0] == kernel:
+                self.staged[kernel][came[1]] = came[2]
+        self.settle = min(self.settle + 1, SETTLE) if calm else 0
+        self.pending = int(commit or (self.pending and not apply))
+        self.camera = bool(active)
+
+
+class PeekModel:
+    """`slog_peek`."""
+
+    def __init__(self, group_bits: int, store_words: int) -> None:
+        self.store_words, self.chunks = store_words, -(-group_bits // 32)
+        self.reset()
+
+    def reset(self) -> None:
+        """State after reset."""
+        self.go = self.started = self.onward = self.new = self.new2 = self.want = self.flight = self.drop = False
+        self.valid = self.outside = self.done = False
+        self.have = True
+        self.word: int | None = 0
+        self.coming: int | None = None  # what the store showed in the clock before
+        self.chunk, self.address = 0, 0
+
+    @property
+    def data(self) -> int | None:
+        """What the next read gets; None if undefined."""
+        return None if self.word is None else self.word >> 32 * self.chunk & 0xFFFFFFFF
+
+    @property
+    def ready(self) -> bool:
+        """`data` may be read."""
+        return self.have and not self.go
+
+    def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:
+        """Take the clock edge."""
+        now, self.go = self.go, bool(go)
+        taken = self.valid and bool(ready)
+        ask = self.want and not self.flight and not self.valid
+        inside = self.address < self.store_words
+        onward, self.onward = self.onward, take and self.started and self.chunk == self.chunks - 1
+        self.want = self.new2 or (self.want and not ask)
+        self.new, self.new2 = now or onward, self.new
+        if self.outside:
+            self.have, self.word = True, 0
+        self.outside = not now and ask and not inside
+        self.valid = not now and ((ask and inside) or (self.valid and not ready))
+        if self.done:
+            self.have, self.word = not self.drop, self.coming
+        drop = (self.flight and not self.done) or taken
+        if self.done:
+            self.drop = False
+        self.flight = taken or (self.flight and not self.done)
+        self.done, self.coming = bool(done), data
+        self.chunk += take
+        if onward:
+            self.have, self.address, self.chunk = False, (self.address + 1) & 0xFFFFFF, 0
+        if now:
+            self.started, self.want, self.have, self.address, self.chunk = True, False, False, address, 0
+            self.drop = drop
+
+
+class ControlModel:
+    """`slog_control`: every output comes from registers, so `outputs` needs no inputs."""
+
+    INPUTS = ("rst_i", *CsrModel.INPUTS, "active_i", "accepted_i", "dropped_i", "slot_valid_i", "armed_i", "writing_i",
+              "refused_i", "captured_i", "job_ready_i", "job_level_i", "job_busy_i", "result_valid_i", "result_i",
+              "result_level_i", "work_i", "score_i", "peek_ready_i", "peek_done_i", "peek_data_i")
+    OUTPUTS = (*CsrModel.OUTPUTS, "hold_o", "width_o", "height_o", "g_o", "g2_o", "capture_valid_o", "capture_cancel_o",
+               "capture_camera_o", "capture_slot_o", "slots_clear_o", "job_valid_o", "job_o", "grid_x_o", "grid_y_o",
+               "step_x_o", "step_y_o", "result_ready_o", "peek_valid_o", "peek_addr_o", "irq_o")
+
+    def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
+        self.config = config
+        self.csr = CsrModel(fields, STORED, EVENTS, "peek_data.value")
+        self.bank = FilterBankModel(config)
+        self.peek = PeekModel(config.group_bits, config.store_words)
+        self.counts = [0] * 10
+        self.irq = 0
+        # What the registers see: the clock before.
+        self.shown: dict[str, int | None] = {}
+        self.events = dict.fromkeys(EVENTS, 0)
+        self.peek_wait = False
+        self.happened, self.counted = [0] * len(self.counts), [0] * len(self.counts)  # one and two clocks before
+        self.seen, self.refused = 0, False  # a result; the front one's job was refused: one clock before
+        self.pops = (0, 0, 0)  # the host's order to drop a result, one to three clocks before
+
+    def outputs(self) -> dict[str, int | None]:
+        """Outputs of this clock."""
+        v, bank = self.csr.value, self.bank
+        return {
+            **self.csr.outputs(),
+            "hold_o": sum(h << c for c, h in enumerate(bank.hold)), "width_o": bank.size[0],
+            "height_o": bank.size[1], "g_o": bank.coefs(0), "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
+            "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
+            "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],
+            "job_valid_o": v["job.submit.go"],
+            "job_o": JOB.pack({
+                "tag": v["job.submit.tag"], "surface": v["job.submit.surface"], "tpl_slot": v["job.tpl.slot"],
+                "tpl_x": v["job.tpl.x"], "tpl_y": v["job.tpl.y"], "width": v["job.window.width"],
+                "height": v["job.window.height"], "search_slot": v["job.search.slot"],
+                "search_x": v["job.search.x"], "search_y": v["job.search.y"],
+                "offsets_x": v["job.offsets.across"], "offsets_y": v["job.offsets.down"]}),
+            "grid_x_o": v["job.grid.across"], "grid_y_o": v["job.grid.down"], "step_x_o": v["job.step.x"],
+            "step_y_o": v["job.step.y"], "result_ready_o": self.pops[1],
+            "peek_valid_o": int(self.peek.valid), "peek_addr_o": self.peek.address if self.peek.valid else None,
+            "irq_o": self.irq,
+        }
+
+    def status(self, i: Mapping[str, int], result: int | None) -> dict[str, int | None]:
+        """Fields driven by hardware as the host would read them in this clock."""
+        c = self.config
+        r: dict[str, int | None] = dict.fromkeys(name for name, _ in RESULT.fields)
+        if result is not None:
+            r.update(RESULT.unpack(result))
+        status: dict[str, int | None] = {
+            "id.value": int.from_bytes(b"SLOG"), "version.minor": 0, "version.major": 1,
+            "build_image.max_width": c.max_width, "build_image.max_height": c.max_height,
+            "build_filter.min_image": c.min_image, "build_filter.radius": c.radius,
+            "build_filter.fraction": COEF_FRACTION, "build_window.min_window": c.min_window,
+            "build_window.max_window": c.max_window, "build_window.group_bits": c.group_bits,
+            "build_window.words_per_row": c.words_per_row, "build_board.cameras": c.cameras,
+            "build_board.slots": c.slots, "build_board.lanes": c.lanes, "build_board.surface_depth": c.surface_depth,
+            "build_queue.job_depth": c.job_depth, "build_queue.result_depth": c.result_depth,
+            "image_active.width": self.bank.size[0], "image_active.height": self.bank.size[1],
+            "filter.busy": self.bank.busy, "filter.size_error": self.bank.error, "filter.active": i["active_i"],
+            "slot_status.valid": i["slot_valid_i"], "slot_status.armed": i["armed_i"],
+            "slot_status.writing": i["writing_i"], "slot_status.refused": i["refused_i"],
+            "job.status.waiting": i["job_level_i"], "job.status.ready": i["job_ready_i"],
+            "job.status.busy": i["job_busy_i"], "result.pop.waiting": i["result_level_i"],
+            "result.head.tag": r["tag"] if self.seen else 0,
+            "result.head.status": r["status"] if self.seen else 0, "result.head.valid": self.seen,
+            "result.best.x": r["best_x"], "result.best.y": r["best_y"], "result.scores.score": r["score"],
+            "result.scores.runner_up": r["runner_up"], "irq_status.result": self.seen,
+            "peek_data.value": self.peek.data,
+        }
+        for k in range(4):
+            status[f"result.neighbour[{k}].even"] = r[f"neighbour{2 * k}"]
+            status[f"result.neighbour[{k}].odd"] = r[f"neighbour{2 * k + 1}"]
+        names = ["clocks", "busy", "scores", "jobs", "refused", "overflows", "frames[0]", "frames[1]", "drops[0]",
+                 "drops[1]"]
+        status.update({f"counter.{name}.value": n for name, n in zip(names, self.counts, strict=True)})
+        return status
+
+    def edge(self, i: Mapping[str, int], result: int | None, peek_data: int | None) -> None:
+        """Take the clock edge; `result_i` and `peek_data_i`, which may be undefined, stand apart."""
+        v = self.csr.value
+        overflow = int(v["job.submit.go"] and not i["job_ready_i"])
+        events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.csr.taken
+        lost = self.happened[OVERFLOW]
+        self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
+        self.peek_wait = not self.peek.ready or bool(v["peek_address.go"])
+        found = self.csr.found
+        if found is not None and not found.is_write:  # otherwise nobody reads in the next clock
+            self.shown = self.status(i, result)
+        taken = bool(self.seen and self.pops[2])
+        refused, seen = self.refused, self.seen
+        self.seen = i["result_valid_i"]
+        self.refused = result is not None and RESULT.unpack(result)["status"] != 0
+        if i["rst_i"]:
+            self.csr.edge(i, shown, events, wait)
+            self.bank.reset()
+            self.peek.reset()
+            self.counts, self.irq = [0] * len(self.counts), 0
+            self.events, self.happened = dict.fromkeys(EVENTS, 0), [0] * len(self.counts)
+            self.counted, self.pops = [0] * len(self.counts), (0, 0, 0)
+            return
+        self.pops = (v["result.pop.go"], *self.pops[:2])
+        happened: list[int] = [1, i["work_i"], i["score_i"], taken and not refused, taken and refused, overflow,
+                    i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
+        irq = (seen and v["irq_enable.result"]) or any(
+            v[name] and v[name.replace("status", "enable")] for name in EVENTS)
+        active = i["active_i"] | i["writing_i"]
+        before = dict(v)
+        self.csr.edge(i, shown, events, wait)
+        v = before
+        self.bank.edge(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
+                       commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]),
+                       active=active)
+        self.peek.edge(go=v["peek_address.go"], address=v["peek_address.word"], take=peeked,
+                       ready=i["peek_ready_i"], done=i["peek_done_i"], data=peek_data)
+        self.counts = [(n + bool(e)) & 0xFFFFFFFF for n, e in zip(self.counts, self.counted, strict=True)]
+        self.counted, self.happened = self.happened, happened
+        self.irq = int(bool(irq))
+
+    def step(self, i: Mapping[str, int]) -> dict[str, int | None]:
+        """Outputs of this clock, then the clock edge."""
+        out = self.outputs()
+        self.edge(i, i["result_i"], i["peek_data_i"])
+        return out

@@ -1,0 +1,52 @@
+"""The front end's cycle model against the frame-level LoG, on good and bad streams."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+from cocotb_tests.env.check import run_model
+from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
+from golden.cycle.frontend.frontend import FrontendModel
+from golden.cycle.frontend.log import pack
+from golden.log import binarise, kernels
+from golden.params import TINY
+
+R = TINY.radius
+
+
+def run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> Seen:
+    g, g2 = kernels(sigma, R)
+    settings = {"width_i": width, "height_i": height, "g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
+    rng = random.Random(seed)
+    seen = Seen(TINY.group_bits, width)
+    model = FrontendModel(TINY.max_width, R, TINY.group_bits)
+    run_model(model, play(items, settings, willing(shape, rng), rng), seen.observe)
+    wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]
+    assert len(seen.planes) == len(wanted) == seen.accepted
+    for got, want in zip(seen.planes, wanted, strict=True):
+        np.testing.assert_array_equal(got, want)
+    assert seen.drops == sum(i.drops for i in items)
+    assert seen.starts == seen.aborts + seen.accepted
+    return seen
+
+
+@pytest.mark.parametrize(("width", "height", "sigma"), [(18, 18, 1.0), (19, 21, 2.5), (48, 18, 4.0), (37, 36, 1.5)])
+def test_good_frames(width: int, height: int, sigma: float) -> None:
+    rng = random.Random(width)
+    items = [good(texture(rng, width, height)) for _ in range(3)]
+    assert run(items, width, height, sigma, "none", 1).stalled == 0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_bad_frames(shape: str) -> None:
+    rng = random.Random(7)
+    width, height = 23, 19
+    items = []
+    for kind in BAD_KINDS:
+        items += [good(texture(rng, width, height)), bad(kind, texture(rng, width, height), rng)]
+    items += [good(texture(rng, width, height)), stray(rng, 40), good(texture(rng, width, height))]
+    run(items, width, height, 2.0, shape, 3)

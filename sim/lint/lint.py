@@ -1,0 +1,58 @@
+"""Lints the RTL: Verilator on the whole board in both configurations and on every module by itself, Verible on style.
+
+`python -m sim.lint` prints what each tool complains about and fails if any does.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from golden.params import CONFIGS
+from sim.testbench.runner import WAIVERS
+from sim.toolchain import ROOT, RTL, ecp5_sources, rtl_sources, verilator_env
+
+RULES = ROOT / "sim" / "verible.rules"
+WAIVED = ROOT / "sim" / "verible.waive"
+TOP = "slog_board"
+
+
+def _complaints(command: list[str]) -> str:
+    """Output of a failing `command`; empty when it passes."""
+    done = subprocess.run(command, env=verilator_env(), cwd=ROOT, capture_output=True, text=True, check=False)
+    lines = [line for line in (done.stdout + done.stderr).splitlines() if not line.startswith("- ")]
+    return "\n".join(lines) if done.returncode else ""
+
+
+def verilator(top: str, sources: list[Path]) -> str:
+    """Complaints of Verilator about `top` and what it instantiates."""
+    return _complaints(["verilator", "--lint-only", "-Wall", "--timing", "--top-module", top, f"-I{RTL}", str(WAIVERS),
+                        *map(str, sources)])
+
+
+def verible(sources: list[Path]) -> str:
+    """Complaints of Verible about the style of `sources`."""
+    tool = Path(sys.executable).parent / "verible-verilog-lint"
+    return _complaints([str(tool), f"--rules_config={RULES}", f"--waiver_files={WAIVED}", *map(str, sources)])
+
+
+def main() -> int:
+    """Run every linter; returns the exit status."""
+    found = []
+    for config in CONFIGS:
+        found.append(verilator(TOP, rtl_sources(config)))
+    for path in rtl_sources("full"):
+        if not path.stem.endswith("_pkg") and path.stem != TOP:
+            found.append(verilator(path.stem, rtl_sources("full")))
+    for top in ("slog_ram", "slog_mult"):
+        found.append(verilator(top, ecp5_sources("full")))
+    written = [path for folder in (RTL, RTL / "ecp5", ROOT / "sim" / "tb") for path in sorted(folder.glob("*.sv"))]
+    found.append(verible(written))
+    complaints = [text for text in found if text]
+    print("\n".join(complaints) or f"RTL lint: {len(written)} files clean")
+    return bool(complaints)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,78 @@
+"""Generates everything that knows register addresses from `rtl/slog_csr.rdl`.
+
+`python -m sim.regs` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/gen`), and the HTML page
+(`out/regs`, not committed); `--check` writes nothing and fails when a committed file is stale.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from sim.registers.retime import retimed
+from sim.toolchain import ROOT, RTL
+
+SOURCE = RTL / "slog_csr.rdl"
+PAGE = ROOT / "out" / "regs"
+TARGETS = {
+    "slog_csr.sv": RTL / "gen",
+    "slog_csr_pkg.sv": RTL / "gen",
+    "slog_csr.h": ROOT / "sim" / "gen",
+    "slog_csr.py": ROOT / "sim" / "gen",
+    "slog_csr_stubs.pyi": ROOT / "sim" / "gen",
+    "slog_csr.db": ROOT / "sim" / "gen",
+}
+"""Committed outputs and their folders."""
+
+
+def _peakrdl(*args: str | Path) -> None:
+    subprocess.run([sys.executable, "-m", "peakrdl", *map(str, args)], check=True)
+
+
+def generate(folder: Path) -> None:
+    """Write every committed output into `folder`."""
+    _peakrdl("regblock", SOURCE, "-o", folder, "--cpuif", "passthrough")
+    block = folder / "slog_csr.sv"
+    block.write_text(retimed(block.read_text()))
+    _peakrdl("c-header", SOURCE, "-o", folder / "slog_csr.h")
+    _peakrdl("pyral", SOURCE, "-o", folder)
+
+
+def _content(path: Path) -> object:
+    """What must agree between two generated files; a database's bytes depend on the library that wrote it."""
+    if not path.exists():
+        return None
+    if path.suffix == ".db":
+        base = sqlite3.connect(path)
+        try:
+            return list(base.iterdump())
+        finally:
+            base.close()
+    return path.read_text()
+
+
+def main(argv: list[str]) -> int:
+    """Write the outputs, or with `--check` compare them; returns the exit status."""
+    with tempfile.TemporaryDirectory() as name:
+        made = Path(name)
+        generate(made)
+        stale = [target / file for file, target in TARGETS.items()
+                 if _content(made / file) != _content(target / file)]
+        if "--check" in argv:
+            if stale:
+                print(f"stale: {', '.join(str(p.relative_to(ROOT)) for p in stale)}; run `make regs`", file=sys.stderr)
+            return bool(stale)
+        for path in stale:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(made / path.name, path)
+    shutil.rmtree(PAGE, ignore_errors=True)
+    _peakrdl("html", SOURCE, "-o", PAGE)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,15 @@
+"""Following on recorded or live frames: the same segmentation and the same follower, with nobody to steer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from signum.applications.follow.follower import Eye, Follower, Target
+from signum.sources.open import Picture
+
+
+def watch(eye: Eye, pictures: Iterable[tuple[Picture, ...]]) -> Iterator[Target]:
+    """The target of every frame, or rectified pair, each uint8 (height, width) of the eye's size."""
+    follower = Follower(eye)
+    for frames in pictures:
+        yield follower.step(frames)

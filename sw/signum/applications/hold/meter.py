@@ -1,0 +1,251 @@
+"""The vehicle's offset from a reference view: the paper's equations 2 to 7 by least squares over many features.
+
+A camera looking down sees ground point G (metres, right + i back, in the reference's frame) at reference pixel p =
+f/Z0 G and at live pixel q = f/Z exp(-i yaw) (G - T), pixels from the image centre, after both have been levelled by
+the vehicle's roll and pitch. So the similarity q = F p + t that most windows agree on gives
+
+    zoom = |F| = Z0 / Z,   yaw = -arg F,   T = -t (Z / f) exp(i yaw).
+
+With two features, small angles and Z = Z0 = R these are equations 4 to 7. Every window is searched for in the live
+view against the reference view,
+which never changes: there is nothing that could drift.
+"""
+
+from __future__ import annotations
+
+import cmath
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.geometry.similarity import IDENTITY, Points, Similarity, fit, vote
+from signum.measure.measurer import Measurer, Query, Rules, View
+from signum.world.camera import LOOK_DOWN, pan_tilt, rotation
+
+
+class Level(NamedTuple):
+    """How the camera is turned from looking straight down, radians: the vehicle's roll and pitch, (0, 0) where it has
+    no attitude sensor, and the pan and tilt of the camera's head, if it sits on one."""
+
+    roll: float = 0.0
+    pitch: float = 0.0
+    pan: float = 0.0
+    tilt: float = 0.0
+
+    @property
+    def turn(self) -> Points:
+        """Camera to level camera (3, 3)."""
+        return LOOK_DOWN.T @ rotation(self.roll, self.pitch, 0.0) @ LOOK_DOWN @ pan_tilt(self.pan, self.tilt)
+
+
+UPRIGHT = Level()
+
+HOLD_RULES = Rules(min_score=0.6, min_margin=0.02, max_return_px=1.5)
+TOLERANCE_PX = 4.0
+"""By how much an agreeing window may miss the common similarity: relief and viewing angle move windows apart."""
+MAX_TURN_ERROR = 0.01
+"""Standard error, radians, above which a fitted rotation is not given out."""
+LEAST_NOISE_PX = 1.0
+"""Assumed at least for a window's miss in that error: a handful agrees by chance better than it should."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The vehicle's offset from its station.
+
+    Attributes:
+        forward, right: metres in the reference's body axes, level.
+        heading: radians, clockwise seen from above.
+        zoom: initial range divided by the present one; range_m: present range, metres.
+        confidence: 0 to 100; 0 means that nothing else here is valid.
+        agreed: features that agree; tried: features searched for.
+    """
+
+    forward: float = 0.0
+    right: float = 0.0
+    heading: float = 0.0
+    zoom: float = 1.0
+    range_m: float = 0.0
+    confidence: int = 0
+    agreed: int = 0
+    tried: int = 0
+
+    @property
+    def valid(self) -> bool:
+        """Whether the reading means anything."""
+        return self.confidence > 0
+
+    def since(self, base: Reading) -> Reading:
+        """This reading as seen from a reference that stood at `base`: the inverse of `after`."""
+        c, s = np.cos(base.heading), np.sin(base.heading)
+        ahead, aside = self.forward - base.forward, self.right - base.right
+        return replace(self, forward=float(c * ahead + s * aside), right=float(-s * ahead + c * aside),
+                       heading=self.heading - base.heading)
+
+    def after(self, base: Reading) -> Reading:
+        """This reading, taken from a reference that itself stood at `base`, as seen from base's own station."""
+        c, s = np.cos(base.heading), np.sin(base.heading)
+        return replace(self, forward=base.forward + float(c * self.forward - s * self.right),
+                       right=base.right + float(s * self.forward + c * self.right), heading=base.heading + self.heading)
+
+
+class StationMeter:
+    """Measures the offset of live frames from a reference frame.
+
+    Args:
+        measurer: at the frames' size.
+        focal: pixels.
+        range_m: range of the seafloor in the reference frame, metres: from stereo, or a guess, which then scales the
+            offsets.
+        window: side of the feature windows, pixels.
+        features: how many to follow, at most.
+        reach: pixels searched around a predicted place.
+    """
+
+    def __init__(self, measurer: Measurer, focal: float, range_m: float, window: int = 64, features: int = 12,
+                 reach: int = 14) -> None:
+        self.measurer, self.focal, self.range_m = measurer, focal, range_m
+        self.window, self.features, self.reach = window, features, reach
+        self.least = max(3, features // 3)
+        self._reference: View | None = None
+        self._centres: list[tuple[int, int]] = []
+        self._anchors: Points = np.zeros((0, 2))
+        self._last: Similarity = IDENTITY
+        self._drift = 0j
+        self.centre = (np.array(measurer.size, np.float64) - 1) / 2
+
+    @property
+    def offered(self) -> int:
+        """Features the reference offers."""
+        return len(self._centres)
+
+    def release(self) -> None:
+        """Give the reference view back."""
+        if self._reference is not None:
+            self.measurer.release(self._reference)
+            self._reference = None
+
+    def anchor(self, view: View, level: Level = UPRIGHT) -> int:
+        """Make a view the station's reference and keep it; returns how many features it offers.
+
+        Every part of the image may be a feature; of a grid, those that look least like their own surroundings are kept.
+        """
+        self.release()
+        self._reference = view
+        width, height = self.measurer.size
+        half = self.window // 2
+        across, down = (np.unique(np.linspace(half + n // 12, n - half - n // 12, 5).astype(int))
+                        for n in (width, height))
+        candidates = [(int(x), int(y)) for y in down for x in across]
+        likeness = self.measurer.likeness(self._reference, [(x, y, self.window, self.window) for x, y in candidates])
+        order = [i for i in np.argsort(likeness) if likeness[i] <= HOLD_RULES.max_likeness]
+        self._centres = [candidates[i] for i in _spread(order, candidates, self.features)]
+        self._anchors = self._levelled(np.array(self._centres, np.float64).reshape(-1, 2), level)
+        self._last, self._drift = IDENTITY, 0j
+        return len(self._centres)
+
+    def expect(self, offset: Reading) -> None:
+        """Say where the vehicle is believed to be: the next search begins there."""
+        zoom = self.range_m / offset.range_m
+        moved = complex(offset.right, -offset.forward)
+        turn = cmath.exp(-1j * offset.heading)
+        self._last = Similarity(zoom * turn, -moved * (self.focal / offset.range_m) * turn)
+        self._drift = 0j
+
+    def read(self, live: View, level: Level = UPRIGHT, wide: int = 0) -> Reading:
+        """Measure a live view.
+
+        Args:
+            live: of the same measurer.
+            level: roll and pitch at the moment of the view.
+            wide: pixels to search further than usual, after readings have failed.
+
+        Returns:
+            A reading; confidence 0 where too few features agree.
+        """
+        if self._reference is None:
+            raise RuntimeError("anchor a reference view first")
+        predicted = Similarity(self._last.factor, self._last.shift + self._drift)
+        at = np.array(self._centres, np.float64).reshape(-1, 2)
+        ahead = self._tilted(predicted(self._anchors), level)
+        reach = self.reach + wide
+        answers = self.measurer.measure(
+            [Query(self._reference, live, x, y, self.window, self.window, (float(q[0] - x), float(q[1] - y)),
+                   (reach, reach))
+             for (x, y), q in zip(self._centres, ahead, strict=True)], HOLD_RULES)
+        keep = [i for i, m in enumerate(answers) if m.valid]
+        visible = int(self._visible(ahead).sum())
+        if len(keep) < self.least:
+            self._drift = 0j
+            return Reading(tried=visible)
+        found = self._levelled(at[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep], level)
+        anchors = self._anchors[keep]
+        start, _ = vote(anchors, found, TOLERANCE_PX, 45.0, 1.6, 1.5 * self.window)
+        result = fit(anchors, found, start, TOLERANCE_PX)
+        agreed = int(result.agree.sum())
+        agreeing = anchors[result.agree]
+        if (agreed < self.least or 2 * agreed < len(keep) or not result.turning
+                or _turn_error(agreeing, found[result.agree], result.similarity) > MAX_TURN_ERROR):
+            self._drift = 0j
+            return Reading(agreed=agreed, tried=visible)
+        similarity = result.similarity
+        step = similarity.shift - self._last.shift
+        self._drift = step if abs(step) < self.reach else 0j
+        self._last = similarity
+        score = float(np.median([answers[i].score for i, good in zip(keep, result.agree, strict=True) if good]))
+        return self._reading(similarity, agreed, max(visible, agreed), score)
+
+    def features_at(self, level: Level = UPRIGHT) -> Points:
+        """Where the last reading, or `expect`, puts the features: pixels (n, 2) of the frame."""
+        return self._tilted(self._last(self._anchors), level)
+
+    def middle_at(self, level: Level = UPRIGHT) -> Points:
+        """Where it puts the ground point below the station: pixel (2,) of the frame."""
+        return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
+
+    def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float) -> Reading:
+        """Equations 4 to 7, without their small angles."""
+        zoom, heading = similarity.scale, -cmath.phase(similarity.factor)
+        range_m = self.range_m / zoom
+        moved = -similarity.shift * (range_m / self.focal) * cmath.exp(1j * heading)
+        share = agreed / tried
+        confidence = round(100 * min(1.0, share * min(1.0, (score - 0.5) / 0.25)))
+        return Reading(-moved.imag, moved.real, heading, zoom, range_m, max(confidence, 1), agreed, tried)
+
+    def _levelled(self, points: Points, level: Level) -> Points:
+        """Pixels from the image centre at which a level camera would see what this one sees at `points`."""
+        return self._turned(points - self.centre, level.turn)
+
+    def _tilted(self, points: Points, level: Level) -> Points:
+        """The way back: pixels of the frame."""
+        return self._turned(points, level.turn.T) + self.centre
+
+    def _turned(self, points: Points, turn: NDArray[np.float64]) -> Points:
+        rays = np.hstack([points / self.focal, np.ones((len(points), 1))])
+        seen = rays @ turn.T
+        return np.asarray(seen[:, :2] / seen[:, 2:] * self.focal)
+
+    def _visible(self, points: Points) -> NDArray[np.bool_]:
+        half = self.window / 2
+        return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
+
+
+def _turn_error(anchors: Points, found: Points, similarity: Similarity) -> float:
+    """Standard error of the fitted rotation, radians: few windows on a small part of the image say little of it."""
+    miss = found - similarity(anchors)
+    noise = max(LEAST_NOISE_PX, float(np.sqrt((miss**2).sum() / max(2 * len(anchors) - 4, 1))))
+    lever = float(np.sqrt(((anchors - anchors.mean(axis=0))**2).sum()))
+    return noise / max(lever, 1e-6)
+
+
+def _spread(order: list[int], places: list[tuple[int, int]], count: int) -> list[int]:
+    """The first of `order`, then ever the one of the better half that lies farthest from those chosen."""
+    pool = list(order[:max(count, (len(order) * 3) // 4)])
+    chosen: list[int] = pool[:1]
+    while pool and len(chosen) < min(count, len(pool)):
+        rest = [i for i in pool if i not in chosen]
+        chosen.append(max(rest, key=lambda i: min(np.hypot(places[i][0] - places[j][0], places[i][1] - places[j][1])
+                                                  for j in chosen)))
+    return chosen

@@ -1,0 +1,107 @@
+"""What a hold leaves: `hold.csv`, row by row, and a few frames with the reading drawn in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.applications.hold.meter import Reading
+from signum.report.draw import write_line
+from signum.sources.open import Picture, grey
+from signum.report.rows import Table
+
+HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
+"""Of `hold.csv`: x ahead and y to the right of the station, rotation clockwise seen from above, zoom and range of
+equations 6 and 7; empty where confidence is 0."""
+TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
+"""What a simulated hold has besides."""
+GREEN, RED = (90, 220, 70), (60, 60, 235)
+
+
+def hold_row(frame: str, time: float, r: Reading) -> list[object]:
+    """A row of `hold.csv`."""
+    figures = [f"{r.forward:.5f}", f"{r.right:.5f}", f"{math.degrees(r.heading):.4f}", f"{r.zoom:.6f}",
+               f"{r.range_m:.5f}"] if r.valid else [""] * 5
+    return [frame, f"{time:.3f}", *figures, r.confidence, r.agreed, r.tried]
+
+
+def draw_reading(picture: Picture, reading: Reading, features: NDArray[np.float64], window: int, words: str = ""
+                 ) -> Picture:
+    """A frame with the station's features where the reading puts them, red where there is no reading.
+
+    Args:
+        picture: uint8 (H, W) or (H, W, 3).
+        features: (n, 2) pixels.
+        window: side of the windows, drawn at a third.
+        words: put before the reading's figures.
+    """
+    canvas = np.asarray(cv2.cvtColor(grey(picture), cv2.COLOR_GRAY2BGR), np.uint8)
+    colour, half = GREEN if reading.valid else RED, max(window // 6, 3)
+    for x, y in np.rint(np.nan_to_num(features)).astype(int).tolist():
+        cv2.rectangle(canvas, (x - half, y - half), (x + half, y + half), colour, 1, cv2.LINE_AA)
+    text = (f"x {100 * reading.forward:+.1f} y {100 * reading.right:+.1f} cm  "
+            f"{math.degrees(reading.heading):+.2f} deg  R {reading.range_m:.3f} m  conf {reading.confidence}"
+            if reading.valid else "no reading: confidence 0")
+    write_line(canvas, words + text, 0.4)
+    return canvas
+
+
+@dataclass
+class HoldRecord:
+    """Writes `hold.csv` and keeps what the report needs; what is written is good after every frame.
+
+    Attributes:
+        folder: exists.
+        truth: whether the rows carry the simulation's truth.
+        shots: (caption, frame with the reading drawn in): first, every `often` seconds, and where readings stop or
+            return; at most `most`.
+    """
+
+    folder: Path
+    truth: bool
+    often: float = 60.0
+    most: int = 9
+    shots: list[tuple[str, Picture]] = field(default_factory=list)
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    valid: int = 0
+    _table: Table = field(init=False, repr=False)
+    _was_valid: bool | None = field(init=False, default=None)
+    _next_shot: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        self._table = Table(self.folder / "hold.csv", [*HOLD, *TRUTH] if self.truth else HOLD)
+
+    def add(self, name: str, time: float, reading: Reading, picture: Picture, features: NDArray[np.float64],
+            window: int = 64, truth: tuple[float, float, float, float] | None = None) -> None:
+        """Take in a frame.
+
+        Args:
+            truth: forward, right (metres), heading (radians) and range (metres).
+        """
+        row = hold_row(name, time, reading)
+        if truth is not None:
+            row += [f"{truth[0]:.5f}", f"{truth[1]:.5f}", f"{math.degrees(truth[2]):.4f}", f"{truth[3]:.5f}"]
+        self._table.write(row)
+        self.valid += reading.valid
+        self.rows.append((time, reading.forward, reading.right, reading.heading, reading.range_m,
+                          float(reading.confidence), *(truth or ())))
+        turned = self._was_valid is not None and reading.valid != self._was_valid
+        if len(self.shots) < self.most and (turned or time >= self._next_shot):
+            why = "" if not turned else ", found again" if reading.valid else ", lost"
+            self.shots.append((f"{time:.1f} s{why}", draw_reading(picture, reading, features, window)))
+            self._next_shot = max(self._next_shot, time + self.often) if not turned else self._next_shot
+        self._was_valid = reading.valid
+
+    @property
+    def series(self) -> NDArray[np.float64]:
+        """(n, 6) time, forward, right, heading, range, confidence, and (n, 10) with the truth's four behind."""
+        return np.array(self.rows, np.float64).reshape(len(self.rows), 10 if self.truth else 6)
+
+    def close(self) -> None:
+        """Close the table."""
+        self._table.close()

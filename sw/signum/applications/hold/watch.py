@@ -1,0 +1,55 @@
+"""Station keeping's measurements on recorded or live frames: the station is what the first frame shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.common.errors import SourceError
+from signum.applications.hold.keeper import Sensed, StationKeeper
+from signum.applications.hold.meter import Reading, StationMeter
+from signum.measure.measurer import Measurer
+from signum.sources.open import Fit, Frame, Picture, Source
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A frame's reading; picture and features (n, 2) in the board's pixels."""
+
+    name: str
+    time: float
+    reading: Reading
+    picture: Picture
+    features: NDArray[np.float64]
+
+
+def watch(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float, rate: float,
+          window: int = 64) -> Iterator[Seen]:
+    """Read frames against the first of them.
+
+    The same meter and search as in the closed loop; the forces are nobody's. Without an attitude sensor the camera is
+    taken to look straight at the scene.
+
+    Args:
+        measurer: of size `fit.board`.
+        frames: of size `fit.source`.
+        focal: pixels of the frames. range_m: to the scene in the first frame, metres.
+        rate: frames per second.
+
+    Raises:
+        SourceError: if the first frame has too little texture to hold on to.
+    """
+    meter = StationMeter(measurer, focal / fit.factor[0], range_m, window)
+    keeper: StationKeeper | None = None
+    for k, frame in enumerate(frames):
+        picture = fit.show(frame.picture)
+        if keeper is None:
+            if meter.anchor(measurer.view(picture)) < meter.least:
+                raise SourceError(f"frame {frame.name}: only {meter.offered} of the {meter.least} features needed: "
+                                  "begin where the picture shows texture, or choose another --window or --sigma")
+            keeper = StationKeeper(meter)
+        reading, _ = keeper.step(measurer.view(picture), Sensed(), 1 / rate)
+        yield Seen(frame.name, k / rate, reading, picture, meter.features_at())

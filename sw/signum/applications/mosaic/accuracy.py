@@ -1,0 +1,168 @@
+"""How far poses are from the truth: absolute and relative error as trajectories are judged (APE, RPE), and the truth's
+table.
+
+Positions are complex numbers x + iy with y down, as pixels have it; east and north become east - i north.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.common.errors import SignumError
+from signum.geometry.similarity import Similarity
+from signum.applications.mosaic.column import Pose
+
+ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
+"""Of `accuracy.csv`: statistics over frames (APE) or consecutive frames (RPE)."""
+NAMES = "frame", "name", "image", "file", "filename"
+EAST = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
+NORTH = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
+PIXELS = ("x_px", "y_px")
+HEADING = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
+Complex = NDArray[np.complex128]
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Known positions of frames.
+
+    Attributes:
+        positions: by frame, complex, y down.
+        headings: by frame, degrees, clockwise seen from above; empty where they are not known.
+        unit: "m" or "px".
+    """
+
+    positions: dict[str, complex]
+    headings: dict[str, float]
+    unit: str
+
+
+def read_track(path: Path, source: str = "") -> Track:
+    """Read positions of frames: a truth or a navigation log.
+
+    The columns are found by name, upper or lower case: one of NAMES; one of EAST and one of NORTH, metres, or PIXELS;
+    one of HEADING if there is any. A name may be a file's, with folder and ending. Where frames are listed twice and a
+    column `path` tells runs apart, the rows whose path names the source's folder count.
+
+    Args:
+        path: CSV.
+        source: label of the frames' source.
+
+    Raises:
+        SignumError: if columns are missing, a number is none, or a frame is listed twice.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [{(k or "").strip().lower(): (v or "").strip() for k, v in row.items() if not isinstance(v, list)}
+                    for row in csv.DictReader(file)]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SignumError(f"{path}: not a CSV table; export it as comma-separated text") from error
+    if not rows:
+        raise SignumError(f"{path}: no rows in it; give a CSV table with a row per frame")
+    heads = set(rows[0])
+    name = _column(path, heads, NAMES, "the frame's name")
+    pixels = heads.issuperset(PIXELS)
+    east = "x_px" if pixels else _column(path, heads, EAST, "metres to the east")
+    north = "y_px" if pixels else _column(path, heads, NORTH, "metres to the north")
+    heading = next((h for h in HEADING if h in heads), None)
+    names = [Path(row[name]).stem if Path(row[name]).suffix else row[name] for row in rows]
+    if len(set(names)) < len(names) and "path" in heads:
+        run = Path(source).name
+        kept = [i for i, row in enumerate(rows) if run in Path(row["path"]).parts]
+        rows, names = [rows[i] for i in kept], [names[i] for i in kept]
+    twice = next((n for i, n in enumerate(names) if n in names[:i]), None)
+    if twice is not None:
+        raise SignumError(f"{path}: frame {twice} is listed twice; keep the rows of this run only")
+    positions, headings = {}, {}
+    for label, row in zip(names, rows, strict=True):
+        try:
+            positions[label] = complex(float(row[east]), float(row[north]) * (1 if pixels else -1))
+            if heading and row[heading]:
+                headings[label] = float(row[heading])
+        except ValueError as error:
+            raise SignumError(f"{path}: frame {label}: {error}; give plain numbers") from error
+    return Track(positions, headings, "px" if pixels else "m")
+
+
+def _column(path: Path, heads: set[str], known: Sequence[str], what: str) -> str:
+    for name in known:
+        if name in heads:
+            return name
+    raise SignumError(f"{path}: no column for {what}; call it one of {', '.join(known)} "
+                      f"(there are: {', '.join(sorted(filter(None, heads))) or 'none'})")
+
+
+def align(z: Complex, w: Complex, scaled: bool = True) -> Similarity:
+    """The best similarity (or rigid motion, if not `scaled`) in least squares of points z (n,) onto w (n,), n >= 2."""
+    a, b = z - z.mean(), w - w.mean()
+    cross, power = complex(np.vdot(a, b)), float(np.vdot(a, a).real)
+    if power == 0 or cross == 0:
+        return Similarity(1 + 0j, complex(w.mean() - z.mean()))
+    factor = cross / power if scaled else cross / abs(cross)
+    return Similarity(factor, complex(w.mean() - factor * z.mean()))
+
+
+@dataclass(frozen=True, eq=False)
+class Error:
+    """Errors against the truth.
+
+    Attributes:
+        frames: those both know, in order.
+        onto: plane of the poses -> truth.
+        ape: (n,) distance of each from its true place after the alignment, in the truth's unit.
+        rpe: (n - 1,) distance by which the way from each to the next is off, after the alignment, same unit.
+        turn: (n - 1,) degrees by which the turn from each to the next is off; empty without headings.
+    """
+
+    frames: list[str]
+    onto: Similarity
+    ape: Real
+    rpe: Real
+    turn: Real
+
+
+def judge(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> Error:
+    """Compare poses with the truth.
+
+    Args:
+        poses: in order.
+        truth: of some or all of their frames.
+        scaled: align by a similarity; else by a rigid motion, for poses in the truth's unit.
+
+    Raises:
+        SignumError: if they have fewer than three frames in common.
+    """
+    known = [p for p in poses if p.frame in truth.positions]
+    if len(known) < 3:
+        raise SignumError(f"the truth knows {len(known)} of the {len(poses)} placed frames, three are needed: its "
+                          f"frames are called {', '.join(list(truth.positions)[:3])}, ..., those of the mosaic "
+                          f"{', '.join(p.frame for p in poses[:3])}, ...")
+    z = np.array([complex(p.x_px, p.y_px) for p in known])
+    w = np.array([truth.positions[p.frame] for p in known])
+    onto = align(z, w, scaled)
+    placed = onto.factor * z + onto.shift
+    turns = [(b.rot_deg - a.rot_deg) - (truth.headings[b.frame] - truth.headings[a.frame])
+             for a, b in pairwise(known)
+             if a.frame in truth.headings and b.frame in truth.headings]
+    return Error([p.frame for p in known], onto, np.abs(placed - w), np.abs(np.diff(placed) - np.diff(w)),
+                 np.abs((np.array(turns) + 180) % 360 - 180))
+
+
+def rows(method: str, error: Error, unit: str, aligned: str = "similarity") -> list[list[object]]:
+    """Rows of `accuracy.csv`."""
+    out: list[list[object]] = []
+    for name, values, of in ((f"APE after {aligned}", error.ape, unit), ("RPE, frame to frame", error.rpe, unit),
+                             ("RPE, rotation", error.turn, "deg")):
+        if len(values):
+            figures = (np.sqrt(np.mean(values**2)), values.mean(), np.median(values), values.std(), values.min(),
+                       values.max())
+            out.append([method, name, of, *(f"{v:.4f}" for v in figures), len(values)])
+    return out

@@ -1,0 +1,181 @@
+"""Pose graph: every frame's similarity by robust least squares over all links at once.
+
+A frame's pose takes its pixels p to the mosaic plane: f p + t, in complex numbers. A link says where b sees what a
+sees, S: with c the centroid of the windows it rests on and s their spread, it asks for two complex numbers to be zero,
+
+    (f_a c + t_a - t_b) / f_b - S(c)        the centroid lands where it was seen,
+    s (f_a / f_b - S')                      and so do the windows about it, in rotation and zoom,
+
+which together are, to first order, the sum over its windows. Both are analytic in the poses, so Gauss-Newton runs on
+complex sparse matrices with half the unknowns. They are measured in pixels of frame b, not of the plane: in the plane
+the fit would gain by shrinking what it cannot make agree. Links that the others outvote lose their weight
+(Geman-McClure, in units of the misfit all links have).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU, splu
+
+from signum.geometry.similarity import IDENTITY, Similarity
+from signum.applications.mosaic.links import Link
+
+Complex = NDArray[np.complex128]
+Real = NDArray[np.float64]
+
+FLOOR_PX = 1.0
+"""Error of a window beside what its link's residual shows, original pixels: half a pixel of the board and a bit."""
+TOGETHER = 4.0
+"""Windows overlap by half each way, and relief moves neighbours alike: so many of them count as one."""
+LEAST_SPREAD = 0.05
+"""Spread given to links that did not measure rotation, as a fraction of the frame: enough to hold an angle."""
+ROBUST = 3.0
+"""Default of `solve`'s `outvoted`."""
+TURNS = 40
+CONVERGED = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Placed frames.
+
+    Attributes:
+        places: pixels of each frame -> plane of the first; only of frames that hang together with it.
+        weights: of the links given, in order, 0..1: how far the others bear each out.
+        misfit_px: of the same, pixels of frame b.
+        usual: misfit of the links in units of what they claim; 1 where nothing can be told, else at least that.
+    """
+
+    places: dict[str, Similarity]
+    weights: Real
+    misfit_px: Real
+    usual: float
+    _names: dict[str, int] = field(default_factory=dict, repr=False)
+    _factor: SuperLU | None = field(default=None, repr=False)
+
+    def relative(self, a: str, b: str) -> Similarity:
+        """Pixels of a -> pixels of b, by the poses."""
+        return self.places[b].inverse @ self.places[a]
+
+    def deviation(self, a: str, b: str, at: tuple[float, float]) -> float:
+        """Standard deviation of where `relative(a, b)` puts the point `at` of a, each axis, pixels of b."""
+        if self._factor is None:
+            return 0.0
+        row = np.zeros(2 * len(self._names), np.complex128)
+        pa, pb = self.places[a], self.places[b]
+        i, j = 2 * self._names[a], 2 * self._names[b]
+        f = pb.factor
+        seen = (pa.factor * complex(*at) + pa.shift - pb.shift) / f
+        row[[i, i + 1]] += np.array([complex(*at), 1]) / f
+        row[[j, j + 1]] -= np.array([seen, 1]) / f
+        solved = self._factor.solve(np.conj(row[2:]))
+        return float(self.usual * np.sqrt(max(float((row[2:] @ solved).real), 0.0)))
+
+
+def precision(link: Link) -> float:
+    """1 / variance of what a link says of its centroid, each axis, 1/pixels^2."""
+    return max(link.agreed, 1) / TOGETHER / (link.rms_px**2 / 2 + FLOOR_PX**2)
+
+
+def chain(first: str, links: Sequence[Link], order: Mapping[int, float] | None = None) -> dict[str, Similarity]:
+    """Frames placed one after the other along links, breadth first from the first frame: a spanning tree.
+
+    Args:
+        first: its pose is the identity.
+        links: accepted ones; of those that lead to a frame at the same depth, the first in `order` places it.
+        order: rank of each link by its index; by default the most precise first.
+    """
+    rank = order or {k: -precision(link) for k, link in enumerate(links)}
+    beside: dict[str, list[tuple[float, str, Similarity]]] = {}
+    for k, link in enumerate(links):
+        beside.setdefault(link.frame_a, []).append((rank[k], link.frame_b, link.similarity.inverse))
+        beside.setdefault(link.frame_b, []).append((rank[k], link.frame_a, link.similarity))
+    places, queue = {first: IDENTITY}, deque([first])
+    while queue:
+        name = queue.popleft()
+        for _, other, back in sorted(beside.get(name, []), key=lambda way: way[0]):
+            if other not in places:
+                places[other] = places[name] @ back
+                queue.append(other)
+    return places
+
+
+def solve(first: str, links: Sequence[Link], size: tuple[int, int],
+          start: Mapping[str, Similarity] | None = None, outvoted: float = ROBUST) -> Solution:
+    """Place all frames that hang together with the first.
+
+    Args:
+        first: the frame whose pose is the identity.
+        links: accepted ones.
+        size: width and height of the frames, pixels.
+        start: poses to begin with, where they are known; others follow from links.
+        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
+    """
+    tree = chain(first, links)
+    if start and first in start:
+        origin = start[first].inverse
+        tree = {name: origin @ start[name] if name in start else place for name, place in tree.items()}
+    held = [k for k, link in enumerate(links) if link.frame_a in tree]
+    names = {name: i for i, name in enumerate(tree)}
+    weights, misfits = np.ones(len(links)), np.zeros(len(links))
+    if len(names) < 2:
+        return Solution(dict(tree), weights, misfits, 1.0, names)
+    system = _System([links[k] for k in held], names, size)
+    poses = np.array([v for place in tree.values() for v in (place.factor, place.shift)])
+    robust, usual = np.ones(len(held)), 1.0
+    factor: SuperLU | None = None
+    for turn in range(TURNS):
+        residual, matrix = system.linear(poses)
+        claimed = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) * system.precision / 4)
+        usual = max(1.0, float(np.median(claimed)) / 0.92) if system.redundant else 1.0
+        # Begin with nothing outvoted: weights need poses that are about right.
+        robust = 1 / (1 + (claimed / (outvoted * usual)) ** 2) ** 2 if turn > 1 and system.redundant else robust
+        power = np.repeat(system.precision * robust, 2)
+        weighted = matrix.conj().T.multiply(power).tocsc()
+        factor = splu(csc_matrix(weighted @ matrix))
+        step = np.concatenate([np.zeros(2, np.complex128), -factor.solve(weighted @ residual)])
+        poses = poses + step
+        if turn > 4 and float(np.abs(step[1::2]).max()) < CONVERGED:
+            break
+    residual, _ = system.linear(poses)
+    weights[held] = robust
+    misfits[held] = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) / 2)
+    places = {name: Similarity(complex(poses[2 * i]), complex(poses[2 * i + 1])) for name, i in names.items()}
+    return Solution(places, weights, misfits, usual, names, factor)
+
+
+class _System:
+    """The links as arrays; residuals and their derivatives at given poses."""
+
+    def __init__(self, links: Sequence[Link], names: Mapping[str, int], size: tuple[int, int]) -> None:
+        self.a = np.array([names[link.frame_a] for link in links])
+        self.b = np.array([names[link.frame_b] for link in links])
+        self.middle = np.array([complex(*link.middle) for link in links])
+        least = LEAST_SPREAD * max(size)
+        self.spread = np.array([max(link.spread_px, least) for link in links])
+        self.factor = np.array([link.similarity.factor for link in links])
+        self.seen = np.array([link.similarity.factor * complex(*link.middle) + link.similarity.shift
+                              for link in links])
+        self.precision = np.array([precision(link) for link in links])
+        self.unknowns = 2 * len(names)
+        self.redundant = len(links) > len(names) - 1
+
+    def linear(self, poses: Complex) -> tuple[Complex, csc_matrix]:
+        """Residuals (2 a link), pixels, and their derivatives by all poses but the first."""
+        fa, ta, fb, tb = poses[2 * self.a], poses[2 * self.a + 1], poses[2 * self.b], poses[2 * self.b + 1]
+        there = (fa * self.middle + ta - tb) / fb
+        residual = np.stack([there - self.seen, self.spread * (fa / fb - self.factor)], axis=1).ravel()
+        count = len(self.a)
+        even, odd = 2 * np.arange(count), 2 * np.arange(count) + 1
+        rows = np.concatenate([even, even, even, even, odd, odd])
+        columns = np.concatenate([2 * self.a, 2 * self.a + 1, 2 * self.b, 2 * self.b + 1, 2 * self.a, 2 * self.b])
+        values = np.concatenate([self.middle / fb, 1 / fb, -there / fb, -1 / fb,
+                                 self.spread / fb, -self.spread * fa / fb**2])
+        whole = csc_matrix((values, (rows, columns)), shape=(2 * count, self.unknowns))
+        return residual, whole[:, 2:]

@@ -1,0 +1,182 @@
+"""What a survey knows: its pieces, the links that hold them together, where these put every frame."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from signum.geometry.similarity import IDENTITY, Similarity
+from signum.applications.mosaic.column import Settings as ColumnSettings
+from signum.measure.register import Prepared, Registrar
+from signum.applications.mosaic.graph import ROBUST, Solution
+from signum.applications.mosaic.graph import solve as place_all
+from signum.applications.mosaic.links import LINKS, LIVE, Link
+from signum.applications.mosaic.shelf import Shelf
+
+
+@dataclass(frozen=True)
+class Settings(ColumnSettings):
+    """How a survey is made; see also `sw.mosaic.Settings`.
+
+    Attributes:
+        loops: whether links beside the sequence are looked for.
+        overlap: least predicted overlap at which a link is proposed, share of a frame.
+        apart: least distance of two frames that are both linked to a third, share of the frame's shorter side.
+        proposals: most links proposed for a frame.
+        share: least share of the windows that must agree on a proposed link: where it ought to be is known, so less
+            than for a link of the sequence would be chance or two layers of relief.
+        agreed: least number of them.
+        gate: by how many standard deviations of the prediction a proposed link may miss it.
+        relief: by which share of the frame's longer side more it may miss it: relief moves what is seen.
+        twist_deg: by which rotation it may miss it.
+        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
+        farthest: pixels of the board searched around a prediction; where more would be needed, the whole frame is.
+        joins: frames of other pieces tried for each stored one.
+    """
+
+    loops: bool = True
+    overlap: float = 0.15
+    apart: float = 0.1
+    proposals: int = 8
+    share: float = 0.6
+    agreed: int = 6
+    gate: float = 4.0
+    relief: float = 0.02
+    twist_deg: float = 6.0
+    outvoted: float = ROBUST
+    farthest: int = 64
+    joins: int = 6
+
+    @property
+    def columns(self) -> str:
+        """These settings in a word: single, auto or turned."""
+        return ("auto" if self.outvoted == ROBUST else "turned") if self.loops else "single"
+
+
+CURVED = Settings(relief=0.15, twist_deg=20.0, share=0.5, outvoted=9.0)
+"""For a camera that turns in place: its mosaic is a sphere drawn flat, which closes no loop. What every loop misses is
+spread over all links; with `Settings()` the mosaic would lie flat in parts and be torn between them."""
+
+
+@dataclass
+class Piece:
+    """Frames that hang together; its plane is that of its first frame.
+
+    Attributes:
+        stored: frames in the graph, in order.
+        places: of those, pixels of the frame -> plane.
+        hung: frames of a stream between them: which stored frame each hangs on, and its pixels -> that one's.
+        frames: all of them, in order.
+        solution: the last.
+    """
+
+    stored: list[str] = field(default_factory=list)
+    places: dict[str, Similarity] = field(default_factory=dict)
+    hung: dict[str, tuple[str, Similarity]] = field(default_factory=dict)
+    frames: list[str] = field(default_factory=list)
+    solution: Solution | None = None
+
+    def place(self, name: str) -> Similarity:
+        """Pixels of any of its frames -> plane."""
+        if name in self.places:
+            return self.places[name]
+        key, onto = self.hung[name]
+        return self.places[key] @ onto
+
+
+class Ledger:
+    """Pieces and links, with a row in `edges.csv` for every link noted.
+
+    Args:
+        registrar: for frames of this size.
+        out: folder of `edges.csv` and of the frames that are kept.
+        settings: see `Settings`.
+    """
+
+    def __init__(self, registrar: Registrar, out: Path, settings: Settings) -> None:
+        self.registrar, self.out, self.settings = registrar, out, settings
+        self.centre = float(registrar.centre[0]), float(registrar.centre[1])
+        self.size = registrar.fine.source
+        self.shelf = Shelf(out)
+        self.pieces: list[Piece] = []
+        self.links: list[Link] = []
+        self.partners: dict[str, set[str]] = {}
+        """Frames a frame has accepted links with."""
+
+    def open_edges(self, anew: bool) -> None:
+        """Begin to write `edges.csv`, or go on with it."""
+        self.edges = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
+        if anew:
+            self._write(LINKS)
+
+    @property
+    def accepted(self) -> list[Link]:
+        """Accepted links between stored frames, of all pieces."""
+        return [link for link in self.links if link.accepted and link.kind != LIVE]
+
+    def links_of(self, piece: Piece) -> list[Link]:
+        """Accepted links between stored frames of a piece."""
+        return [link for link in self.accepted if link.frame_a in piece.places and link.frame_b in piece.places]
+
+    def ranked(self) -> list[Piece]:
+        """The pieces, that with most frames first."""
+        return sorted(self.pieces, key=lambda piece: -len(piece.frames))
+
+    @staticmethod
+    def enter(piece: Piece, link: Link) -> None:
+        name = link.frame_b
+        piece.hung.pop(name, None)
+        piece.stored.append(name)
+        if name not in piece.frames:
+            piece.frames.append(name)
+        piece.places[name] = piece.places[link.frame_a] @ link.similarity.inverse
+
+    def prepared(self, name: str) -> Prepared:
+        return self.shelf.prepared(name, self.registrar)
+
+    def piece_of(self, name: str) -> Piece:
+        return next(piece for piece in reversed(self.pieces) if name in piece.places)
+
+    def note(self, link: Link) -> Link:
+        """Record a link."""
+        self.know(link)
+        self._write(link.row)
+        return link
+
+    def know(self, link: Link) -> None:
+        self.links.append(link)
+        if link.accepted and link.kind != LIVE:
+            self.partners.setdefault(link.frame_a, set()).add(link.frame_b)
+            self.partners.setdefault(link.frame_b, set()).add(link.frame_a)
+
+    def _write(self, row: Sequence[object]) -> None:
+        # A row goes to the disk in one piece, its newline with it.
+        line = io.StringIO()
+        csv.writer(line, lineterminator="\n").writerow(row)
+        self.edges.write(line.getvalue())
+        self.edges.flush()
+
+    def solve(self, piece: Piece) -> None:
+        """Place the frames of a piece by all its links."""
+        links = self.links_of(piece)
+        piece.solution = place_all(piece.stored[0], links, self.size, piece.places, self.settings.outvoted)
+        piece.places.update(piece.solution.places)
+
+    def merge(self, early: Piece, late: Piece) -> None:
+        """One piece of two that links hold together; the frames of the later one come last."""
+        if self.pieces.index(early) > self.pieces.index(late):
+            early, late = late, early
+        early.stored += late.stored
+        early.frames += late.frames
+        early.hung |= late.hung
+        early.places |= dict.fromkeys(late.stored, IDENTITY)
+        start = {name: early.places[name] for name in early.stored if name not in late.places}
+        # The one whose frames are still coming stays last.
+        position = max(self.pieces.index(early), self.pieces.index(late))
+        early.solution = place_all(early.stored[0], self.links_of(early), self.size, start, self.settings.outvoted)
+        early.places = dict(early.solution.places)
+        self.pieces[position] = early
+        self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]

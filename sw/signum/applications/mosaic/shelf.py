@@ -1,0 +1,175 @@
+"""What a survey keeps on disk while it runs, so that it can go on after a crash: stored frames, links, what it is.
+
+    run.json     what was asked for, and whether it was finished
+    frames/      the stored frames, PNG
+    frames/starts.txt   the frames that begin a piece, a JSON string a line
+    edges.csv    a row per measured link, as soon as it is measured
+
+A frame's picture is written before the row that places it, and the row ends with a newline: whatever the moment of a
+crash, what can be read is whole, and at most the frame at work has to be taken again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import OrderedDict
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+import cv2
+import numpy as np
+
+from signum.common.errors import SignumError
+from signum.measure.register import Prepared, Registrar
+from signum.sources.open import Picture
+
+MADE = "mosaic*.png", "mosaic*.tif", "mosaic*.pgw", "poses*.csv", "accuracy*.csv"
+"""Files made from those."""
+KEPT = 48
+"""Frames held in memory as the board sees them."""
+
+
+class ResumeError(SignumError):
+    """A survey that cannot be gone on with."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a survey was asked for; one with other values is another survey.
+
+    Attributes:
+        source: its label.
+        size: width and height of the frames, pixels.
+        stream: whether little moves between frames.
+        window, sigma: of the registration.
+        columns: how links beside the sequence are looked for: single, auto or turned.
+    """
+
+    source: str
+    size: tuple[int, int]
+    stream: bool
+    window: int
+    sigma: float
+    columns: str
+
+    def differs(self, other: Run) -> str:
+        """The first difference in words; empty if there is none. Where the frames come from may differ."""
+        for name, flag in (("size", "frames of"), ("stream", "stream"), ("window", "--window"), ("sigma", "--sigma"),
+                           ("columns", "--columns")):
+            if getattr(self, name) != getattr(other, name):
+                return f"{flag} {getattr(self, name)} instead of {getattr(other, name)}"
+        return ""
+
+
+class Shelf:
+    """The stored frames and the run's description in a folder.
+
+    Args:
+        folder: the survey's; made if missing.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.frames = folder, folder / "frames"
+        self.frames.mkdir(parents=True, exist_ok=True)
+        self._prepared: OrderedDict[str, Prepared] = OrderedDict()
+
+    def clear(self) -> None:
+        """Take away what an earlier run left."""
+        for old in (*self.frames.glob("*.png"), self._starts, self.folder / "edges.csv"):
+            old.unlink(missing_ok=True)
+        for old in (file for kind in MADE for file in self.folder.glob(kind)):
+            old.unlink()
+
+    def save(self, name: str, picture: Picture) -> None:
+        """Keep a frame."""
+        write_picture(self._path(name), picture)
+
+    def start(self, name: str) -> None:
+        """Record that a frame begins a piece."""
+        with self._starts.open("a", encoding="utf-8", newline="") as file:
+            file.write(f"{json.dumps(name)}\n")
+
+    def started(self) -> list[str]:
+        """The frames that begin a piece, in order."""
+        if not self._starts.exists():
+            return []
+        text = self._starts.read_text(encoding="utf-8")
+        return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+
+    @property
+    def _starts(self) -> Path:
+        return self.frames / "starts.txt"
+
+    def picture(self, name: str) -> Picture:
+        """A kept frame.
+
+        Raises:
+            ResumeError: if it is gone.
+        """
+        picture = cv2.imread(str(self._path(name)), cv2.IMREAD_UNCHANGED)
+        if picture is None:
+            raise ResumeError(f"{self._path(name)}: missing or broken; start anew with --anew")
+        return np.asarray(picture, np.uint8)
+
+    def prepared(self, name: str, registrar: Registrar, known: Prepared | None = None) -> Prepared:
+        """A kept frame as the board sees it; `known` spares the work where it has just been done."""
+        found = known or self._prepared.pop(name, None) or registrar.prepare(self.picture(name))
+        self._prepared[name] = found
+        while len(self._prepared) > KEPT:
+            self._prepared.popitem(last=False)
+        return found
+
+    def pictures(self, names: Sequence[str]) -> Sequence[Picture]:
+        """Kept frames as a sequence that reads each when it is asked for."""
+        return _Pictures(self, names)
+
+    def _path(self, name: str) -> Path:
+        return self.frames / f"{quote(name, safe=' ')}.png"
+
+    def describe(self, run: Run, finished: bool) -> None:
+        """Write `run.json`."""
+        write_text(self.folder / "run.json", json.dumps({**asdict(run), "finished": finished}, indent=1) + "\n")
+
+    def described(self) -> tuple[Run, bool] | None:
+        """What `run.json` says: the run, and whether it was finished; None where there is none that can be read."""
+        try:
+            values = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
+            finished = bool(values.pop("finished"))
+            values["size"] = tuple(values["size"])
+            return Run(**values), finished
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+
+class _Pictures(Sequence[Picture]):
+    def __init__(self, shelf: Shelf, names: Sequence[str]) -> None:
+        self._shelf, self._names = shelf, names
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __getitem__(self, index: int) -> Picture:  # type: ignore[override]  # slices are not asked for
+        return self._shelf.picture(self._names[index])
+
+    def __iter__(self) -> Iterator[Picture]:
+        return (self._shelf.picture(name) for name in self._names)
+
+
+def write_picture(path: Path, picture: Picture) -> None:
+    """Write a PNG so that the file is always a whole one."""
+    _, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    _replace(path, data.tobytes())
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file so that it is always a whole one."""
+    _replace(path, text.encode())
+
+
+def _replace(path: Path, data: bytes) -> None:
+    half = path.with_name(path.name + ".part")
+    half.write_bytes(data)
+    os.replace(half, path)

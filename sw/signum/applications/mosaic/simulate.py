@@ -1,0 +1,158 @@
+"""Simulated surveys: frames on a grid of rows and columns over a seafloor, taken by a vehicle that wobbles, with truth.
+
+The vehicle holds heading and height as well as compass and altimeter let it: yaw, height, roll, pitch and place differ
+from the plan by independent zero-mean amounts from frame to frame, as they do between snapshots taken seconds apart.
+Columns run north, the first to the west; row 0 is the southern one. Truth of a frame is where its centre looks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.geometry.similarity import Similarity
+from signum.sources.open import Picture
+from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.seafloor import Seafloor, photograph, quilt
+from signum.world.water import Water
+from signum.world.world import World
+
+PATCH = 96
+"""Pixels of the finest texture."""
+Cell = tuple[int, int]
+"""Row, column."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is flown.
+
+    Attributes:
+        rows, columns: frames.
+        size: width and height, pixels; focal: pixels.
+        height: over the mean floor, metres.
+        step: from frame to frame, share of the frame's height along a column and of its width across.
+        yaw_deg, zoom, tilt_deg, place_m: standard deviations of heading, height (share of it), roll and pitch,
+            position.
+        relief: standard deviation of the floor's height, metres.
+        water: the water.
+    """
+
+    rows: int = 10
+    columns: int = 10
+    size: tuple[int, int] = (256, 192)
+    focal: float = 300.0
+    height: float = 2.0
+    step: tuple[float, float] = (0.5, 0.5)
+    yaw_deg: float = 1.0
+    zoom: float = 0.01
+    tilt_deg: float = 0.3
+    place_m: float = 0.02
+    relief: float = 0.02
+    water: Water = field(default_factory=lambda: Water(noise=2.0))
+
+    @property
+    def pixel_m(self) -> float:
+        """Metres a pixel covers from the planned height."""
+        return self.height / self.focal
+
+    @property
+    def stride(self) -> tuple[float, float]:
+        """From a frame to the next one along a column and across, pixels."""
+        return self.step[0] * self.size[1], self.step[1] * self.size[0]
+
+    def planned(self, a: Cell, b: Cell) -> Similarity:
+        """Pixels of a's frame -> pixels of b's, if the plan were kept."""
+        along, across = self.stride
+        # A frame further north sees the same things lower down.
+        return Similarity.of(shift=((a[1] - b[1]) * across, (b[0] - a[0]) * along))
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """A simulated survey.
+
+    Attributes:
+        plan: what was to be flown.
+        frames: pictures by cell.
+        truth: by cell, what takes the frame's pixels near its centre to metres east and south (y down) of the origin.
+    """
+
+    plan: Plan
+    frames: dict[Cell, Picture]
+    truth: dict[Cell, Similarity]
+
+    def position(self, cell: Cell) -> complex:
+        """Where a frame's centre looks, pixels of the planned height, x east and y south."""
+        at = self.truth[cell]
+        middle = complex(*((n - 1) / 2 for n in self.plan.size))
+        return (at.factor * middle + at.shift) / self.plan.pixel_m
+
+    def sequence(self) -> list[Cell]:
+        """The cells back and forth, as they are flown."""
+        return back_and_forth(self.plan.rows, self.plan.columns)
+
+
+def back_and_forth(rows: int, columns: int) -> list[Cell]:
+    """Up the first column, down the second, and so on."""
+    return [(r if c % 2 == 0 else rows - 1 - r, c) for c in range(columns) for r in range(rows)]
+
+
+def seafloor(extent: float, relief: float, texel: float, seed: int, feature: float = 0.8) -> Seafloor:
+    """A floor on which nothing recurs that is large enough to be taken for another place.
+
+    The photograph is a small one for a whole survey, so its patches do recur: in pieces smaller than a frame's windows
+    reach apart, and turned and mirrored.
+    """
+    floor = Seafloor(extent=extent, relief=relief, feature=feature, texel=texel, seed=seed)
+    rng = np.random.default_rng([seed, 9])
+    floor.levels[:1] = [quilt(photograph(floor.photo), floor.levels[0].shape[0], rng, PATCH)]
+    for k in range(1, len(floor.levels)):
+        floor.levels[k] = np.asarray(cv2.pyrDown(floor.levels[k - 1]), np.float32)
+    return floor
+
+
+def fly(plan: Plan, seed: int) -> Flown:
+    """Take the frames of a survey."""
+    rng = np.random.default_rng([seed, 7])
+    along, across = (s * plan.pixel_m for s in plan.stride)
+    extent = max(plan.rows * along, plan.columns * across) + 1.5 * max(plan.size) * plan.pixel_m
+    floor = seafloor(extent, plan.relief, 0.8 * plan.pixel_m, seed)
+    world = World(floor, plan.water, seed=seed)
+    camera = Pinhole(plan.size, plan.focal)
+    frames, truth = {}, {}
+    for row, column in back_and_forth(plan.rows, plan.columns):
+        north = (row - (plan.rows - 1) / 2) * along + rng.normal(0, plan.place_m)
+        east = (column - (plan.columns - 1) / 2) * across + rng.normal(0, plan.place_m)
+        height = plan.height * (1 + rng.normal(0, plan.zoom))
+        roll, pitch = np.radians(rng.normal(0, plan.tilt_deg, 2))
+        yaw = np.radians(rng.normal(0, plan.yaw_deg))
+        sight = Sight(np.array([north, east, -height]), rotation(roll, pitch, yaw) @ LOOK_DOWN)
+        frames[row, column] = world.look(camera, sight).frame
+        truth[row, column] = _seen(camera, sight, plan)
+    return Flown(plan, frames, truth)
+
+
+def _seen(camera: Pinhole, sight: Sight, plan: Plan) -> Similarity:
+    """The similarity nearest to how the camera sees the mean floor about its centre: metres east and south."""
+    centre = np.array(camera.centre)
+    pixels = centre + np.array([[0.0, 0.0], [20.0, 0.0], [0.0, 20.0], [-20.0, 0.0], [0.0, -20.0]])
+    rays = np.column_stack([(pixels - centre) / plan.focal, np.ones(len(pixels))]) @ sight.rotation.T
+    ground = sight.position + rays * (-sight.position[2] / rays[:, 2])[:, None]
+    world = ground[:, 1] - 1j * ground[:, 0]
+    around = (pixels - centre) @ np.array([1, 1j])
+    factor = complex((np.conj(around) @ (world - world[0])) / (np.abs(around) ** 2).sum())
+    return Similarity(factor, complex(world[0]) - factor * complex(*centre))
+
+
+def orthographic(floor: Seafloor, north: float, east: float, size: tuple[int, int], pixel_m: float,
+                 noise: float, rng: np.random.Generator) -> Picture:
+    """What a camera with parallel rays sees straight down: uint8 (height, width), image up is north."""
+    u, v = np.meshgrid(np.arange(size[0]) - (size[0] - 1) / 2, np.arange(size[1]) - (size[1] - 1) / 2)
+    x = np.asarray(north - v * pixel_m, np.float32)
+    y = np.asarray(east + u * pixel_m, np.float32)
+    seen: NDArray[np.float64] = floor.albedo(x, y, pixel_m) + rng.normal(0, noise, x.shape)
+    return np.asarray(np.clip(np.rint(seen), 0, 255), np.uint8)

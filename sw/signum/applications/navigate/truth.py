@@ -1,0 +1,114 @@
+"""What a simulated mosaic shows in truth: for judging navigation, never for doing it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.applications.mosaic.blend import bounds
+from signum.geometry.similarity import Points, Similarity
+from signum.measure.measurer import Measurer
+from signum.applications.navigate.chart import Chart
+from signum.measure.register import Registrar
+from signum.sources.open import Fit, Frame, Picture
+from signum.applications.mosaic.ledger import Settings
+from signum.applications.mosaic.survey import Survey
+from signum.world.camera import Pinhole, Sight
+
+Array = NDArray[np.float64]
+Make = Callable[[tuple[int, int], float], Measurer]
+SIGMA = 2.0
+WINDOW = 64
+PATCH = 12
+"""Half the side of the patch by which the judge tells which picture a pixel of the mosaic comes from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """A picture of a simulated survey, where it was taken from, and its depths as the pinhole camera had them."""
+
+    picture: Picture
+    sight: Sight
+    depth: NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """A simulated survey's pictures and where the mosaic has them.
+
+    Attributes:
+        camera: that took them.
+        pinhole: pixels of the pictures -> pixels of the camera, where they were redrawn.
+        shots: each picture with its pixels -> mosaic.png.
+    """
+
+    camera: Pinhole
+    pinhole: Callable[[Points], Points]
+    shots: list[tuple[Similarity, Taken]] = field(default_factory=list)
+
+    def world_point(self, chart: Chart, target: tuple[float, float]) -> Array:
+        """The world point (3,) a pixel of the mosaic shows: that of the picture it looks most like there, for seams may
+        run anywhere."""
+        at = np.array(target)
+        place, shot = max(self.shots, key=lambda s: _likeness(chart.picture, at, *s))
+        x, y = self.pinhole(place.inverse(at))
+        height, width = shot.depth.shape
+        z = float(shot.depth[int(np.clip(round(float(y)), 0, height - 1)), int(np.clip(round(float(x)), 0, width - 1))])
+        ray = np.array([*((np.array([x, y]) - self.camera.centre) / self.camera.focal), 1.0])
+        return np.asarray(shot.sight.position + shot.sight.rotation @ (z * ray), np.float64)
+
+
+def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell: Callable[[str], None] | None = None,
+           settings: Settings | None = None) -> Chart:
+    """Build the mosaic of a simulated survey in `out`, as `signum mosaic` does, and fill in the truth's shots.
+
+    Raises:
+        ValueError: without pictures.
+    """
+    shots: dict[str, Taken] = {}
+    made: Survey | None = None
+    for k, shot in enumerate(taken):
+        size = shot.picture.shape[1], shot.picture.shape[0]
+        made = made or Survey(Registrar.on(measurer, Fit(size, size), WINDOW, SIGMA), out, settings=settings)
+        shots[str(k)] = shot
+        made.add(Frame(str(k), shot.picture))
+        if tell is not None:
+            tell("survey")
+    if made is None:
+        raise ValueError("a survey needs pictures")
+    for _ in made.finish():
+        pass
+    made.close()
+    places = made.ranked()[0].places
+    low = bounds([size] * len(places), list(places.values()))[0]
+    view = Similarity(1 + 0j, -complex(*low))
+    truth.shots[:] = [(view @ place, shots[name]) for name, place in places.items()]
+    return Chart.load(out)
+
+
+def random_target(chart: Chart, size: tuple[int, int], rng: np.random.Generator) -> tuple[float, float]:
+    """A place of the mosaic that can be looked at with most of the picture on the mosaic: a third of the frame's `size`
+    from its border."""
+    reach_x, reach_y = (n / 3 for n in size)
+    while True:
+        x, y = (float(rng.uniform(r, n - r)) for r, n in zip((reach_x, reach_y), chart.size, strict=True))
+        if all(chart.covers(x + i * reach_x, y + j * reach_y) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+            return x, y
+
+
+def _likeness(mosaic: Picture, at: Array, place: Similarity, shot: Taken) -> float:
+    """Correlation of the mosaic with a picture about a place, -1..1; -1 where the picture does not show it."""
+    here = place.inverse(at)
+    if ((here < PATCH) | (here > np.array(shot.picture.shape[::-1]) - 1 - PATCH)).any():
+        return -1.0
+    side = 2 * PATCH + 1
+    corner = Similarity(1 + 0j, complex(*at) - complex(PATCH, PATCH))
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    patches = [cv2.warpAffine(picture, way.matrix, (side, side), flags=flags)
+               for picture, way in ((mosaic, corner), (shot.picture, place.inverse @ corner))]
+    return float(np.corrcoef(patches[0].ravel(), patches[1].ravel())[0, 1])

@@ -1,0 +1,106 @@
+"""The golden board: the frame-level golden model behind the Board interface.
+
+Results are those of the RTL, bit for bit. Clocks are an estimate of what the RTL needs for the same call:
+
+- capture: one clock a pixel and `radius` rows of flush, for one or two cameras alike;
+- job: rows of offsets x passes a row x clocks a pass, where a pass scores `pitch` offsets (the last one up to `lanes`)
+  and lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
+  Operands load one store word a clock while the job before is in work, so a job lasts at least as long as its words
+  take to load;
+- register accesses are not counted.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+from golden import correlate, log
+from golden.correlate import Job, Result, Status
+from golden.params import FULL, Config
+from signum.boards.board import BoardBase, Image, Surface
+
+PIPELINE_CLOCKS = 64
+"""Clocks from the last pixel of a flushed frame to a valid slot: about the depth of the LoG pipeline."""
+JOB_CLOCKS = 40
+"""Clocks from a job's last step to its result: about the depth of array and peak unit, hidden when jobs queue up."""
+
+
+def job_clocks(job: Job, config: Config) -> int:
+    """Estimated clocks one accepted job occupies the array, with a full queue."""
+    steps = job.height if job.width > config.group_bits else -(-job.height // 2)
+    passes = max(1, -(-(job.offsets_x - 1) // config.pitch))
+    last = job.offsets_x - (passes - 1) * config.pitch
+    row = (passes - 1) * max(steps, config.pitch) + max(steps, last)
+    words = -(-(job.width + job.offsets_x - 1) // config.group_bits) + 1
+    load = words * (job.height + job.offsets_y - 1) + (-(-job.width // config.group_bits) + 1) * job.height
+    return max(row * job.offsets_y, load)
+
+
+class GoldenBoard(BoardBase):
+    """A board made of NumPy and OpenCV integers. `config` is the build it mimics."""
+
+    name = "golden"
+
+    def __init__(self, config: Config = FULL) -> None:
+        super().__init__(config)
+        self._planes: list[Image | None] = [None] * config.slots
+        self._results: deque[Result] = deque()
+        self._clocks = 0
+        self._counts = {key: 0 for camera in range(config.cameras) for key in (f"frames_{camera}", f"drops_{camera}")}
+        self._counts |= {"jobs": 0, "refused": 0, "scores": 0, "busy_clocks": 0}
+
+    @property
+    def clocks(self) -> int:
+        """Estimated clocks at work."""
+        return self._clocks
+
+    def counters(self) -> dict[str, int]:
+        """See `Board.counters`."""
+        return self._counts | {"clocks": self._clocks}
+
+    def _apply_size(self, width: int, height: int) -> None:
+        self._planes = [None] * self.config.slots
+
+    def _apply_sigma(self, sigma: float) -> None:
+        log.kernels(sigma, self.config.radius)
+
+    def _capture(self, frames: Sequence[tuple[int, int, Image]]) -> None:
+        for camera, slot, frame in frames:
+            self._planes[slot] = log.sign(frame, self.sigma, self.config.radius)
+            self._counts[f"frames_{camera}"] += 1
+        width, height = self.image_size
+        self._clocks += width * (height + self.config.radius) + PIPELINE_CLOCKS
+
+    def _read_plane(self, slot: int) -> Image:
+        plane = self._planes[slot]
+        assert plane is not None
+        return plane.copy()
+
+    def _submit(self, jobs: Sequence[Job]) -> None:
+        for job in jobs:
+            self._results.append(self._run(job)[0])
+
+    def _submit_grid(self, job: Job, count: tuple[int, int], step: tuple[int, int]) -> None:
+        self._submit(correlate.grid(job, count, step))
+
+    def _collect(self, count: int) -> list[Result]:
+        return [self._results.popleft() for _ in range(count)]
+
+    def _surface(self, job: Job) -> tuple[Result, Surface | None]:
+        return self._run(job)
+
+    def _run(self, job: Job) -> tuple[Result, Surface | None]:
+        status = correlate.check(job, self.config, self.image_size, [plane is not None for plane in self._planes])
+        if status is not Status.OK:
+            self._counts["refused"] += 1
+            return Result(job.tag, status), None
+        template, search = self._planes[job.tpl_slot], self._planes[job.search_slot]
+        assert template is not None and search is not None
+        surface = correlate.surface(template, search, job)
+        clocks = job_clocks(job, self.config)
+        self._clocks += clocks
+        self._counts["jobs"] += 1
+        self._counts["busy_clocks"] += clocks
+        self._counts["scores"] += surface.size
+        return Result(job.tag, status, *correlate.peak(surface)), surface

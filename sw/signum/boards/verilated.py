@@ -1,0 +1,112 @@
+"""The Verilated board behind the Board interface: the RTL itself, simulated, bit for bit what the hardware computes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from golden import log
+from golden.correlate import Job, Result, Status
+from golden.params import FULL, Config
+from sim.board.build import BuildError
+from sim.registers.map import fields
+from sim.board.device import Device, DeviceError
+from signum.boards.board import BoardBase, BoardError, Image, Surface
+
+
+class VerilatedBoard(BoardBase):
+    """A board made of the project's RTL; the first one of a configuration builds it, which takes a minute.
+
+    Args:
+        config: the build.
+        trace: file for a wave dump (a slower build); None for none.
+
+    Raises:
+        BoardError: if the RTL cannot be built.
+    """
+
+    name = "verilated"
+
+    def __init__(self, config: Config = FULL, trace: Path | None = None) -> None:
+        super().__init__(config)
+        try:
+            self._device = Device(config, trace)
+        except (BuildError, DeviceError) as error:
+            raise BoardError(f"the Verilated board does not start: {error}") from error
+        self._wanted_size: tuple[int, int] | None = None
+
+    @property
+    def clocks(self) -> int:
+        """Clocks since the simulation began, register accesses included."""
+        return self._device.clocks
+
+    def counters(self) -> dict[str, int]:
+        """See `Board.counters`."""
+        raw = self._device.counters()
+        counts = {f"{kind}_{camera}": raw[f"{kind}[{camera}]"]
+                  for camera in range(self.config.cameras) for kind in ("frames", "drops")}
+        return counts | {"jobs": raw["jobs"], "refused": raw["refused"], "scores": raw["scores"],
+                         "busy_clocks": raw["busy"], "clocks": raw["clocks"]}
+
+    def identification(self) -> dict[str, object]:
+        """What the board's own registers say it is: identification, version, build."""
+        read = self._device.read
+        about: dict[str, object] = {
+            "id": read("id.value").to_bytes(4, "big").decode("ascii", "replace"), "board": self.name,
+            "version": f"{read('version.major')}.{read('version.minor')}"}
+        about.update((name, read(name)) for name in fields() if name.startswith("build_"))
+        return about
+
+    def close(self) -> None:
+        """Free the simulation and finish its wave dump."""
+        super().close()
+        self._device.close()
+
+    def _apply_size(self, width: int, height: int) -> None:
+        if self.sigma:
+            self._set(self.sigma, (width, height))
+        else:
+            self._wanted_size = width, height  # goes to the board with the first filter: they are one command there
+
+    def _apply_sigma(self, sigma: float) -> None:
+        self._set(sigma, self._wanted_size)
+        self._wanted_size = None
+
+    def _set(self, sigma: float, size: tuple[int, int] | None) -> None:
+        try:
+            self._device.set_filter(*log.kernels(sigma, self.config.radius), size)
+        except DeviceError as error:
+            raise BoardError(str(error)) from error
+
+    def _capture(self, frames: Sequence[tuple[int, int, Image]]) -> None:
+        try:
+            self._device.capture({camera: slot for camera, slot, _ in frames},
+                                 {camera: frame for camera, _, frame in frames})
+        except DeviceError as error:
+            raise BoardError(str(error)) from error
+
+    def _read_plane(self, slot: int) -> Image:
+        return self._device.plane(slot)
+
+    def _submit(self, jobs: Sequence[Job]) -> None:
+        if jobs:
+            self._device.submit(jobs)
+
+    def _submit_grid(self, job: Job, count: tuple[int, int], step: tuple[int, int]) -> None:
+        self._device.submit_grid(job, count, step)
+
+    def _collect(self, count: int) -> list[Result]:
+        if not count:
+            return []
+        try:
+            return self._device.collect(count)
+        except DeviceError as error:
+            raise BoardError(str(error)) from error
+
+    def _surface(self, job: Job) -> tuple[Result, Surface | None]:
+        self._device.submit([replace(job, surface=True)])
+        (result,) = self._collect(1)
+        if result.status is not Status.OK:
+            return result, None
+        return result, self._device.surface(job.offsets_x * job.offsets_y).reshape(job.offsets_y, job.offsets_x)

@@ -1,0 +1,36 @@
+"""The `signum` command: all its subcommands, each of which adds itself to the application."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import typer
+
+from signum.commands.common import app
+
+COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate", "stereo",
+            "track")
+"""Names of the commands and of their modules in `sw.commands`."""
+
+
+def application(*commands: str) -> typer.Typer:
+    """The application with these commands, by default all; each brings libraries that take their time to load."""
+    for name in commands or COMMANDS:
+        importlib.import_module(f"sw.commands.{name}")
+    return app
+
+
+def main() -> None:
+    """Entry point."""
+    asked = [name for name in sys.argv[1:2] if name in COMMANDS]
+    try:
+        application(*asked)()
+    except BrokenPipeError:
+        sys.exit(0)
+    except KeyboardInterrupt:  # while still loading
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""`signum info`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+
+from rich.table import Table as Grid
+
+from signum.commands.common import BoardName, BoardOption, SigmaOption, WindowOption, app, board_of, guarded, out
+
+
+@app.command()
+@guarded
+def info(
+    board: BoardOption = BoardName.golden,
+    sigma: SigmaOption = 2.5,
+    window: WindowOption = 64,
+) -> None:
+    """The board's identification, configuration and counters.
+
+    Example: `signum info --board verilated`
+    """
+    with board_of(board, window) as b:
+        grid = Grid(show_header=False, box=None)
+        identify: Callable[[], dict[str, object]] | None = getattr(b, "identification", None)
+        about: dict[str, object] = identify() if identify else {"id": "none: a model in software", "board": b.name}
+        about |= {"configuration": b.config.name, **{k: v for k, v in asdict(b.config).items() if k != "name"},
+                  "max_window": b.config.max_window, "lanes": b.config.lanes}
+        for name, value in (about | b.counters()).items():
+            grid.add_row(name, str(value))
+        out.print(grid)

@@ -1,0 +1,118 @@
+"""Optical flow: where a grid of windows of one frame lies in the next (the paper's figure 6)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.measure.measurer import Measurer, Query, Rules, View
+
+Float = NDArray[np.float64]
+Picture = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class FlowField:
+    """Displacements of a grid of windows.
+
+    Attributes:
+        x: (nx,) and y: (ny,) window centres in the first frame, pixels.
+        dx, dy: (ny, nx) displacement to the second frame, pixels; NaN where the measurement is not valid.
+        score: (ny, nx) matching fraction.
+    """
+
+    x: Float
+    y: Float
+    dx: Float
+    dy: Float
+    score: Float
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(ny, nx): which measurements are valid."""
+        return np.isfinite(self.dx)
+
+    def dominant(self) -> tuple[float, float]:
+        """The image's overall displacement, pixels: the median of the valid measurements; (0, 0) without any."""
+        if not self.valid.any():
+            return 0.0, 0.0
+        return float(np.nanmedian(self.dx)), float(np.nanmedian(self.dy))
+
+
+def measure_flow(
+    measurer: Measurer, before: View, after: View, window: tuple[int, int] = (64, 64), step: int = 32,
+    reach: tuple[int, int] = (16, 16), guess: tuple[float, float] = (0.0, 0.0), rules: Rules | None = None,
+    support: int = 0,
+) -> FlowField:
+    """Measure the flow between two views.
+
+    Args:
+        measurer: took both views.
+        before: the earlier view; after: the later one.
+        window: width and height, pixels.
+        step: grid spacing, pixels.
+        reach: largest displacement searched for about `guess`, across and down, pixels.
+        guess: expected displacement, pixels.
+        rules: what makes a measurement valid; the measurer's own where None.
+        support: how many of a window's eight neighbours must agree with it for it to be valid. With 1 a lone false
+            match goes, and so does a thing that moves by itself and fills a single window.
+
+    Raises:
+        ValueError: if no window fits the picture.
+    """
+    width, height = measurer.size
+    x = np.arange(window[0] // 2, width - window[0] + window[0] // 2 + 1, step)
+    y = np.arange(window[1] // 2, height - window[1] + window[1] // 2 + 1, step)
+    if not (x.size and y.size):
+        raise ValueError(f"no window of {window[0]}x{window[1]} fits a picture of {width}x{height}")
+    found = measurer.measure([Query(before, after, int(u), int(v), *window, guess=guess, reach=reach)
+                              for v in y for u in x], rules)
+    shape = (y.size, x.size)
+
+    def grid(values: list[float]) -> Float:
+        return np.array(values).reshape(shape)
+
+    dx, dy = (grid([v if m.valid else np.nan for m, v in zip(found, values, strict=True)])
+              for values in ([m.dx_px for m in found], [m.dy_px for m in found]))
+    lonely = _agreeing(dx, dy) < support
+    dx[lonely], dy[lonely] = np.nan, np.nan
+    return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, grid([m.score for m in found]))
+
+
+def _agreeing(dx: Float, dy: Float) -> NDArray[np.int64]:
+    """How many of the eight neighbours of each window agree with it: within a pixel and a quarter of its motion."""
+    motion = np.pad(dx + 1j * dy, 1, constant_values=complex(np.nan, np.nan))
+    here = motion[1:-1, 1:-1]
+    height, width = here.shape
+    count = np.zeros(here.shape, np.int64)
+    for j in range(3):
+        for i in range(3):
+            if (i, j) != (1, 1):
+                count += np.abs(motion[j:j + height, i:i + width] - here) <= 1.0 + 0.25 * np.abs(here)
+    return count
+
+
+def draw_flow(frame: Picture, field: FlowField, magnify: float = 2.0) -> Picture:
+    """The field as arrows on its first frame, as in the paper's figure 6.
+
+    Args:
+        frame: uint8 (H, W), the first frame.
+        field: the flow; a window without a valid measurement is marked by a small cross.
+        magnify: length of an arrow per displacement.
+
+    Returns:
+        uint8 (H, W, 3) blue, green, red.
+    """
+    out = np.asarray(cv2.cvtColor(np.asarray(frame * 0.6, np.uint8), cv2.COLOR_GRAY2BGR), np.uint8)
+    for j, v in enumerate(field.y):
+        for i, u in enumerate(field.x):
+            start = (round(u), round(v))
+            if field.valid[j, i]:
+                end = (round(u + magnify * field.dx[j, i]), round(v + magnify * field.dy[j, i]))
+                cv2.arrowedLine(out, start, end, (80, 255, 120), 1, cv2.LINE_AA, tipLength=0.3)
+            else:
+                cv2.drawMarker(out, start, (60, 60, 255), cv2.MARKER_TILTED_CROSS, 5)
+    return out

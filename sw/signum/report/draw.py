@@ -1,0 +1,80 @@
+"""Pictures of what the board does: the stages of the filter, tracked features, a line of words on a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from golden import log
+from signum.sources.open import Picture
+from signum.measure.track import TrackPoint
+
+GAP = 6
+YELLOW, GREEN, RED = (0, 220, 255), (80, 220, 60), (60, 60, 240)
+
+
+def stages(image: Picture, signs: Picture, sigma: float) -> list[tuple[str, Picture]]:
+    """The paper's figure 3: the image, smoothed, its Laplacian of Gaussian (mid grey is 0), and the board's signs.
+
+    Args:
+        image: uint8 (H, W).
+        signs: uint8 (H, W) of 0 and 1, from the board.
+        sigma: pixels; the two stages between never leave a board and come from the golden model.
+    """
+    smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE), np.uint8)
+    response = log.response(image, sigma)
+    spread = float(np.percentile(np.abs(response), 98)) or 1.0
+    shown = np.clip(128 + 127 * response / spread, 0, 255)
+    return [("original", image), ("Gaussian", smooth),
+            ("Laplacian of Gaussian", shown.astype(np.uint8)), ("sign", signs * np.uint8(255))]
+
+
+def stage_panel(image: Picture, signs: Picture, sigma: float) -> Picture:
+    """The stages side by side, two by two: uint8 (H', W')."""
+    tiles = []
+    for name, tile in stages(image, signs, sigma):
+        strip = np.full((22, tile.shape[1]), 255, np.uint8)
+        cv2.putText(strip, name, (4, 16), cv2.FONT_HERSHEY_SIMPLEX, 0.5, 0, 1, cv2.LINE_AA)
+        framed = np.vstack([strip, tile])
+        tiles.append(cv2.copyMakeBorder(framed, 0, GAP, 0, GAP, cv2.BORDER_CONSTANT, value=255))
+    return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
+
+
+def write_line(canvas: Picture, words: str, size: float) -> None:
+    """Write words along the lower edge of a picture, white with a dark edge.
+
+    The edge is the letters' own, widened: a bolder font is a longer one too.
+
+    Args:
+        canvas: uint8 (H, W, 3), written on.
+        words: no longer than the picture is wide.
+        size: of the letters, as a share of the font's own, up to 0.6.
+    """
+    foot = canvas[-24:]
+    ink = np.zeros(foot.shape[:2], np.uint8)
+    cv2.putText(ink, words, (6, foot.shape[0] - 8), cv2.FONT_HERSHEY_SIMPLEX, size, 255, 1, cv2.LINE_AA)
+    for weight, level in ((cv2.dilate(ink, np.ones((3, 3), np.uint8)), 0), (ink, 255)):
+        share = weight[..., None] / 255
+        foot[:] = np.rint(foot * (1 - share) + level * share)
+
+
+def draw_tracks(image: Picture, points: Sequence[TrackPoint], window: int) -> Picture:
+    """The paper's figure 7: features in a frame, each with its window and the way it has come; red where not valid.
+
+    Args:
+        image: uint8 (H, W).
+        points: of this frame, in its pixels.
+        window: side of the windows, pixels.
+    """
+    canvas = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), np.uint8)
+    for p in points:
+        at = round(p.x), round(p.y)
+        if p.valid:
+            half = window // 6
+            cv2.rectangle(canvas, (at[0] - half, at[1] - half), (at[0] + half, at[1] + half), GREEN, 1, cv2.LINE_AA)
+            cv2.line(canvas, (round(p.x - p.dx), round(p.y - p.dy)), at, YELLOW, 1, cv2.LINE_AA)
+        else:
+            cv2.drawMarker(canvas, at, RED, cv2.MARKER_TILTED_CROSS, 7, 1, cv2.LINE_AA)
+    return canvas

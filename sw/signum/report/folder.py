@@ -1,0 +1,44 @@
+"""Reports made from what a command left in its folder: `report.html`, at the command's end or any time later.
+
+A module a kind of table; `KINDS` says which table it is made from. Whatever else lies in the folder is shown as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from signum.common.errors import SignumError
+from signum.report.page import Section, write_page
+from signum.report.folder import anything, flow, mosaic, navigate, stereo, track
+
+KINDS: dict[str, tuple[str, Callable[[Path], list[Section]]]] = {
+    "track.csv": ("Tracks", track.sections),
+    "flow.csv": ("Optical flow", flow.sections),
+    "disparity.csv": ("Stereo range", stereo.sections),
+    "edges.csv": ("Mosaic", mosaic.sections),
+    "navigate.csv": ("Mosaic navigation", navigate.sections),
+}
+"""Table -> title of the page and maker of its sections from the folder."""
+
+
+class ReportError(SignumError):
+    """A folder nothing can be reported of."""
+
+
+def write_report(folder: Path) -> Path:
+    """Write `report.html` into a folder from the tables and pictures in it.
+
+    Raises:
+        ReportError: if it is no folder, or there is nothing in it to report.
+    """
+    if not folder.is_dir():
+        raise ReportError(f"{folder}: no such folder; give the --out folder of an earlier command")
+    found = [kind for name, kind in KINDS.items() if (folder / name).exists()]
+    title = ", ".join(title for title, _ in found) or folder.resolve().name
+    sections = [section for _, make in found for section in make(folder)]
+    if not found:
+        sections = anything.sections(folder)
+    if not sections:
+        raise ReportError(f"{folder}: no table or picture in it; give the --out folder of an earlier command")
+    return write_page(folder / "report.html", f"Signum: {title}", sections)

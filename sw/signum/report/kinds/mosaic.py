@@ -1,0 +1,90 @@
+"""The report of `signum mosaic`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import pyplot as plt
+
+from signum.applications.mosaic.column import EDGES, POSES
+from signum.report.page import Section, plot, row, table
+from signum.report.columns import Columns, picture, read
+
+COLOURS = {"sequence": "tab:blue", "loop": "tab:green", "join": "tab:orange", "live": "tab:cyan"}
+
+
+def sections(folder: Path) -> list[Section]:
+    """The mosaic, how its frames hang together, how well its links agree, and its errors where the truth is known."""
+    edges = read(folder / "edges.csv", EDGES)
+    files = sorted(folder.glob("poses*.csv"), key=lambda p: (len(p.stem), p.stem))
+    pieces = [read(file, POSES) for file in files]
+    accepted = edges.numbers("accepted") > 0
+    kinds = edges.text.get("kind", ["sequence"] * edges.rows)
+    lines = [("frames placed", str(sum(p.rows for p in pieces))), ("pieces", str(len(pieces)))]
+    for kind in dict.fromkeys(kinds):
+        of = np.array([k == kind for k in kinds])
+        lines.append((f"links, {kind}: accepted of measured", f"{int((accepted & of).sum())} of {int(of.sum())}"))
+    misses = np.concatenate([_misses(edges, piece) for piece in pieces]) if pieces else np.empty(0)
+    if len(misses):
+        lines.append(("accepted links miss the poses by: median, 95 %, most, px",
+                      f"{np.median(misses):.1f}, {np.percentile(misses, 95):.1f}, {misses.max():.1f}"))
+    shown = [picture(folder / f"mosaic{file.stem.removeprefix('poses')}.png", f"mosaic of {piece.rows} frames")
+             for file, piece in list(zip(files, pieces, strict=True))[:4]
+             if (folder / f"mosaic{file.stem.removeprefix('poses')}.png").exists()]
+    out = [Section("Mosaic", row(shown) + table(("", ""), lines))]
+    if pieces and pieces[0].rows > 1:
+        out.append(Section("How the frames hang together", row([_links(edges, pieces[0], kinds), _hist(misses)])))
+    if (folder / "accuracy.csv").exists():
+        errors = read(folder / "accuracy.csv")
+        body = [[errors.text[name][i] for name in errors.names] for i in range(errors.rows)]
+        out.append(Section("Against the truth", table(errors.names, body)))
+    refused = [[edges.text[n][i] for n in ("frame_a", "frame_b")] + [kinds[i], edges.text["reason"][i]]
+               for i in range(edges.rows) if not accepted[i]][:200] if "reason" in edges.text else []
+    if refused:
+        out.append(Section("Refused links", table(("frame a", "frame b", "kind", "why"), refused)))
+    return out
+
+
+def _centres(piece: Columns) -> dict[str, complex]:
+    return dict(zip(piece.text["frame"], piece.numbers("x_px") + 1j * piece.numbers("y_px"), strict=True))
+
+
+def _misses(edges: Columns, piece: Columns) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Distance, pixels of b, between where an accepted link and where the poses put a's centre."""
+    at = _centres(piece)
+    turn = dict(zip(piece.text["frame"], piece.numbers("scale") * np.exp(1j * np.radians(piece.numbers("rot_deg"))),
+                    strict=True))
+    dx, dy, good = edges.numbers("dx_px"), edges.numbers("dy_px"), edges.numbers("accepted") > 0
+    out = [abs((at[a] - at[b]) / turn[b] - complex(dx[i], dy[i]))
+           for i, (a, b) in enumerate(zip(edges.text["frame_a"], edges.text["frame_b"], strict=True))
+           if good[i] and a in at and b in at]
+    return np.array(out, np.float64)
+
+
+def _links(edges: Columns, piece: Columns, kinds: list[str]) -> str:
+    at = _centres(piece)
+    good = edges.numbers("accepted") > 0
+    fig, ax = plt.subplots(figsize=(6, 6))
+    told: set[str] = set()
+    for i in sorted(range(edges.rows), key=lambda k: bool(good[k])):
+        a, b = edges.text["frame_a"][i], edges.text["frame_b"][i]
+        if a in at and b in at:
+            label = kinds[i] if good[i] else "refused"
+            ax.plot([at[a].real, at[b].real], [at[a].imag, at[b].imag], label=None if label in told else label,
+                    color=COLOURS.get(label, "tab:red"), lw=1.2 if good[i] else 0.5, alpha=0.9 if good[i] else 0.4)
+            told.add(label)
+    x, y = [z.real for z in at.values()], [z.imag for z in at.values()]
+    ax.plot(x, y, "k.", ms=4)
+    ax.set(xlabel="x, px", ylabel="y, px")
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.invert_yaxis()
+    ax.legend(fontsize=8)
+    return plot(fig, "frame centres in the mosaic plane and the links between them")
+
+
+def _hist(misses: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    fig, ax = plt.subplots(figsize=(5, 4))
+    ax.hist(misses, bins=30, color="tab:blue")
+    ax.set(xlabel="px", ylabel="accepted links")
+    return plot(fig, "by how much accepted links miss the poses all of them together give")

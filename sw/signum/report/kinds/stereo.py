@@ -1,0 +1,39 @@
+"""The report of `signum stereo`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import pyplot as plt
+
+from signum.report.page import Section, paragraph, plot, row, table
+from signum.report.columns import evenly, picture, read
+from signum.report.rows import DISPARITY
+
+MOST_PICTURES = 6
+MOST_LINES = 40
+
+
+def sections(folder: Path) -> list[Section]:
+    """Maps, and the distribution of what was measured."""
+    found = read(folder / "disparity.csv", DISPARITY)
+    valid = found.numbers("valid") > 0
+    disparity, metres = found.numbers("disparity_px"), found.numbers("range_m")
+    known = bool(np.isfinite(metres).any())
+    values, unit = (metres, "range, m") if known else (disparity, "disparity, px")
+    lines = []
+    for name, rows in list(found.groups("frame").items())[:MOST_LINES]:
+        seen = values[rows][np.isfinite(values[rows])]
+        figures = [f"{v:.3f}" for v in np.percentile(seen, (5, 50, 95))] if seen.size else [""] * 3
+        lines.append([name, f"{valid[rows].mean():.0%}", *figures])
+    fig, ax = plt.subplots(figsize=(6, 3))
+    ax.hist(values[np.isfinite(values)], bins=60)
+    ax.set(xlabel=unit, ylabel="windows")
+    shown = [p for p in (picture(path) for path in evenly(sorted(folder.glob("range*.png")), MOST_PICTURES)) if p]
+    about = ("Colour is " + ("range in metres" if known else "disparity in pixels of the board's picture")
+             + "; where the picture shows, no measurement passed its checks: texture, margin over the second best, the "
+             "search from right to left, and agreement with a window twice as large.")
+    heads = "frame", "windows valid", f"{unit}: 5 % below", "median", "95 % below"
+    return [Section("Range maps", paragraph(about) + row(shown)),
+            Section("What was measured", row([plot(fig, "all valid windows")]) + table(heads, lines))]

@@ -1,0 +1,142 @@
+"""Figures 14 to 17: single-column mosaics, manual and automatic, and a survey flown back and forth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+from matplotlib import pyplot as plt
+
+from signum.applications.mosaic.blend import compose
+from signum.boards.board import BoardBase
+from signum.applications.mosaic.column import Column, fly
+from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
+from signum.reproduce import OpenBoard, Progress
+from signum.reproduce.survey import registrar
+from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
+from signum.sources.open import Frame, Picture
+from signum.applications.mosaic import simulate
+from signum.applications.mosaic.accuracy import Error, Track, judge
+from signum.applications.mosaic.graph import chain
+from signum.applications.mosaic.ledger import Piece
+from signum.applications.mosaic.links import SEQUENCE
+from signum.applications.mosaic.simulate import Flown, Plan
+from signum.applications.mosaic.survey import Survey
+from signum.applications.mosaic.ways import WAYS
+
+IMAGES = 4
+"""The paper's figure 15 has four."""
+SIZE, FOCAL = (320, 240), 400.0
+
+
+def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
+    """A column by hand, a column by itself, columns back and forth."""
+    with open_board() as board:
+        return [_column(board, out, seed, progress), _columns(board, out, seed, quick, progress)]
+
+
+def _column(board: BoardBase, out: Path, seed: int, progress: Progress) -> Section:
+    camera = Camera(gravel(), size=SIZE, focal=FOCAL, seed=seed)
+    with progress("single column", None) as tell:
+        with Column(registrar(board, SIZE, 64, 2.5), out / "manual") as manual:
+            taken = [Pose(0.03 * (k % 2), 1.2 - 0.38 * k, heading=0.02 * (-1) ** k) for k in range(IMAGES)]
+            for k, pose in enumerate(taken):
+                manual.add(Frame(str(k), camera.look(pose)))
+                tell(f"manual, image {k}")
+        water = Current(steady=(0.05, 0.02), surge=0.03, gusts=0.01, seed=seed)
+        vehicle, errors = Vehicle(Pose(0.0, 1.2), current=water), []
+        before, flown = vehicle.pose, [vehicle.pose]
+        with Column(registrar(board, SIZE, 64, 2.5), out / "automatic") as automatic:
+            for moment in fly(automatic, camera, vehicle, IMAGES):
+                errors.append(moment.error)
+                if moment.stored > len(flown):
+                    flown.append(before)
+                before = vehicle.pose  # from where the next live image is taken
+                tell(f"automatic, {moment.stored} images")
+    off = {"manual": _off(camera, manual, taken), "automatic": _off(camera, automatic, flown)}
+    pictures = [figure(_read(out / kind / "mosaic.png"), f"{kind}: {IMAGES} images of a column") for kind in off]
+    fig, ax = plt.subplots(figsize=(5, 4))
+    ax.plot(np.array(errors)[:, 1], label="along the column")
+    ax.plot(np.array(errors)[:, 0], label="across it")
+    ax.set(xlabel="live image", ylabel="px")
+    ax.legend(fontsize=8)
+    text = ("The section at the top centre of the stored image is followed in the live image; at the bottom centre the "
+            "live image is stored and its offset recorded. By hand the pictures are what an operator took, a third of "
+            "a frame to a frame apart; by itself, the vehicle servoes the section's error to zero in a current with "
+            "surge.")
+    bars = tuple(Bar(f"{kind} column: last image's place against truth, px", value, "<=", 3.0)
+                 for kind, value in off.items())
+    return Section("Single-column mosaics, manual and automatic (figures 14 and 15)", paragraph(text) + row(
+        [*pictures, plot(fig, "automatic: how far the section is from the bottom centre")]), bars)
+
+
+def _off(camera: Camera, column: Column, taken: list[Pose]) -> float:
+    """Distance, pixels, of the last image's centre from its true place in the plane of the first; infinite where the
+    column broke."""
+    if len(column.pieces) != 1 or len(column.chain) != len(taken):
+        return float("inf")
+    first = np.vstack([camera.matrix(taken[0]), [0, 0, 1]])
+    last = np.linalg.solve(first, np.vstack([camera.matrix(taken[-1]), [0, 0, 1]]))
+    centre = np.array([(SIZE[0] - 1) / 2, (SIZE[1] - 1) / 2])
+    return float(np.hypot(*(column.chain[-1].place(centre) - (last @ [*centre, 1])[:2])))
+
+
+def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Progress) -> Section:
+    side = 3 if quick else 6
+    plan = Plan(rows=side, columns=side, step=(0.6, 0.6), yaw_deg=2.0)
+    flown = simulate.fly(plan, seed)
+    with progress("columns back and forth", side * side) as tell, \
+            Survey(registrar(board, plan.size, 48, 2.0), out / "columns") as survey:
+        for cell in flown.sequence():
+            tell(survey.add(Frame(f"{cell[0]}-{cell[1]}", flown.frames[cell])))
+        for _ in survey.finish():
+            pass
+    piece = survey.ranked()[0]
+    truth = Track({f"{r}-{c}": flown.position((r, c)) for r, c in flown.truth}, {}, "px")
+    errors = {way: judge(place(survey, piece), truth) for way, place in WAYS.items()}
+    heads = ("placed by", "absolute error, RMS px", "most, px", "frame to frame, RMS px")
+    lines = [[way, *(f"{v:.2f}" for v in (_rms(e.ape), e.ape.max(), _rms(e.rpe)))] for way, e in errors.items()]
+    worst = {way: _rms(e.ape) for way, e in errors.items()}
+    text = (f"{side}x{side} frames over relief of {100 * plan.relief:.0f} cm, heading held to {plan.yaw_deg:g} "
+            f"degrees, flown back and forth; {len(survey.accepted)} links accepted of {len(survey.links)} measured. "
+            "Columns are not told. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
+            "few links as there are (figure 17) keeps them together; least squares over all of them comes last. Errors "
+            "are those of the frames' centres after the best similarity.")
+    bars = (Bar("frames in one piece, share", len(piece.stored) / len(flown.frames), ">=", 1.0),
+            Bar("all links, absolute error, RMS px", worst["all links"], "<=", 3.0),
+            Bar("all links over sequence only, absolute error", worst["all links"] / worst["sequence only"], "<=", 1.0))
+    return Section("Columns flown back and forth (figures 16 and 17)", paragraph(text) + row(
+        [figure(_read(survey.out / "mosaic.png"), "all links, least squares"),
+         figure(_by_sequence(survey, piece), "sequence only")]) + row([_ways(flown, errors, survey, piece)])
+        + table(heads, lines), bars)
+
+
+def _by_sequence(survey: Survey, piece: Piece) -> Picture:
+    """The mosaic as the sequence alone would have it."""
+    links = [link for link in survey.links_of(piece) if link.kind == SEQUENCE]
+    places = chain(piece.stored[0], links)
+    return compose(survey.shelf.pictures(list(places)), list(places.values())).picture
+
+
+def _ways(flown: Flown, errors: dict[str, Error], survey: Survey, piece: Piece) -> str:
+    fig, axes = plt.subplots(1, len(WAYS), figsize=(12, 4))
+    at = {f"{r}-{c}": flown.position((r, c)) for r, c in flown.truth}
+    for ax, (way, place) in zip(axes, WAYS.items(), strict=True):
+        onto = errors[way].onto
+        placed = [onto.factor * complex(p.x_px, p.y_px) + onto.shift for p in place(survey, piece)]
+        true = [at[name] for name in piece.stored]
+        ax.plot([z.real for z in true], [z.imag for z in true], "-", color="0.8", lw=3)
+        ax.plot([z.real for z in placed], [z.imag for z in placed], ".-", color="tab:red", lw=0.8)
+        ax.set_title(f"{way}: {_rms(errors[way].ape):.1f} px", fontsize=9)
+        ax.set_aspect("equal")
+        ax.invert_yaxis()
+    return plot(fig, "frame centres: truth grey, placed red; after the best similarity")
+
+
+def _rms(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _read(path: Path) -> Picture:
+    return np.asarray(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), np.uint8)

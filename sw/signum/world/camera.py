@@ -1,0 +1,126 @@
+"""Pinhole cameras and what they see of the seafloor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from signum.world.seafloor import Float, Seafloor
+
+Matrix = NDArray[np.float64]
+
+COARSE = 4
+"""The ray's meeting with the floor is found on every COARSE-th pixel and interpolated: relief is smooth at that
+scale."""
+TURNS = 5
+"""Fixed-point turns to that meeting; each shrinks the error by slope times tangent of the viewing angle."""
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> Matrix:
+    """Body to world matrix (3, 3), z-y-x convention, radians."""
+    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    return np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                     [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                     [-sp, cp * sr, cp * cr]])
+
+
+LOOK_DOWN: Matrix = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+"""Camera (right, down in the image, along the axis) to body (forward, right, down): image up is forward."""
+LOOK_AHEAD: Matrix = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+"""Camera to body with the axis forward and the image upright."""
+
+
+def pan_tilt(pan: float, tilt: float) -> Matrix:
+    """Camera on a pan/tilt to the same camera at rest (3, 3): pan turns right about the image's vertical, then tilt
+    looks up; radians."""
+    cp, sp, ct, st = np.cos(pan), np.sin(pan), np.cos(tilt), np.sin(tilt)
+    to_side = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
+    upward = np.array([[1.0, 0.0, 0.0], [0.0, ct, -st], [0.0, st, ct]])
+    return np.asarray(to_side @ upward)
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """Where a camera is and how it is turned: position (3,) world metres, rotation (3, 3) camera to world."""
+
+    position: Matrix
+    rotation: Matrix
+
+    def shifted(self, right: float) -> Sight:
+        """The sight of a second camera `right` metres along this one's image x axis: a rectified stereo partner."""
+        return Sight(self.position + self.rotation[:, 0] * right, self.rotation)
+
+
+@dataclass(frozen=True, eq=False)
+class Pinhole:
+    """A distortion-free camera: size (width, height) and focal length in pixels; the axis meets the image centre."""
+
+    size: tuple[int, int] = (384, 288)
+    focal: float = 400.0
+    rays: Float = field(init=False, repr=False)
+    """Camera-frame directions of all pixels, z = 1, float32 (height, width, 3)."""
+
+    def __post_init__(self) -> None:
+        u, v = np.meshgrid(np.arange(self.size[0]), np.arange(self.size[1]))
+        cx, cy = self.centre
+        object.__setattr__(self, "rays", np.stack([(u - cx) / self.focal, (v - cy) / self.focal, np.ones_like(u)],
+                                                  axis=-1).astype(np.float32))
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Principal point, pixels."""
+        return (self.size[0] - 1) / 2, (self.size[1] - 1) / 2
+
+    def project(self, sight: Sight, points: Matrix) -> Matrix:
+        """Pixels (n, 2) of world points (n, 3); NaN behind the camera."""
+        local = (np.atleast_2d(points) - sight.position) @ sight.rotation
+        z = np.where(local[:, 2] > 1e-6, local[:, 2], np.nan)
+        return np.asarray(local[:, :2] / z[:, None] * self.focal + self.centre)
+
+    def meet(self, sight: Sight, floor: Seafloor) -> Float:
+        """Distance along each pixel's ray to the floor in units of its z = 1 direction, float32 (height, width).
+
+        So it is the depth along the optical axis, metres; infinite where a ray does not go down to the floor within
+        60 m.
+        """
+        width, height = self.size
+        step_u, step_v = -(-(width - 1) // COARSE), -(-(height - 1) // COARSE)
+        u, v = np.meshgrid(np.arange(step_u + 1) * COARSE, np.arange(step_v + 1) * COARSE)
+        cx, cy = self.centre
+        local = np.stack([(u - cx) / self.focal, (v - cy) / self.focal, np.ones_like(u)], axis=-1)
+        ray = (local @ sight.rotation.T).astype(np.float32)
+        down = np.maximum(ray[..., 2], 1e-3)
+        x0, y0, z0 = (np.float32(c) for c in sight.position)
+        t = np.asarray(-z0 / down, np.float32)
+        for _ in range(TURNS if floor.relief > 0 or any(floor.slope) else 0):
+            t = np.asarray((floor.depth(x0 + t * ray[..., 0], y0 + t * ray[..., 1]) - z0) / down, np.float32)
+        # 1/t is linear in the pixel over a plane, so interpolating it is exact there.
+        inverse = 1 / np.maximum(t, np.float32(1e-3))
+        matrix = np.array([[1 / COARSE, 0, 0], [0, 1 / COARSE, 0]], np.float64)
+        full = cv2.warpAffine(inverse, matrix, self.size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                              borderMode=cv2.BORDER_REPLICATE)
+        out = 1 / np.maximum(full, np.float32(1 / 60))
+        out[out >= 60] = np.inf
+        return np.asarray(out, np.float32)
+
+
+def see_floor(camera: Pinhole, sight: Sight, floor: Seafloor) -> tuple[Float, Float]:
+    """The floor as the camera would see it through clear water under even light.
+
+    Returns:
+        (albedo in grey levels, depth along the optical axis in metres, infinite where no floor is seen), float32
+        (height, width).
+    """
+    depth = camera.meet(sight, floor)
+    seen = np.isfinite(depth)
+    t = np.where(seen, depth, np.float32(0))
+    turn = sight.rotation.astype(np.float32)
+    x = t * (camera.rays @ turn[0]) + np.float32(sight.position[0])
+    y = t * (camera.rays @ turn[1]) + np.float32(sight.position[1])
+    middle = float(np.median(t[seen])) if seen.any() else 1.0
+    albedo = floor.albedo(x, y, middle / camera.focal)
+    albedo[~seen] = 0
+    return albedo, depth

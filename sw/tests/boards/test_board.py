@@ -1,0 +1,92 @@
+"""The golden board behind the Board interface: calls, refusals and books."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden import correlate, log
+from golden.correlate import Job, Status
+from golden.params import FULL, TINY
+from signum.boards.board import Board, BoardError, run_jobs
+from signum.boards.golden import GoldenBoard, job_clocks
+
+
+@pytest.fixture
+def board() -> GoldenBoard:
+    """A tiny board with a frame in slot 0 and the same one shifted by (3, 2) in slot 1."""
+    rng = np.random.default_rng(5)
+    scene = rng.integers(0, 256, (50, 60), dtype=np.uint8)
+    made = GoldenBoard(TINY)
+    made.set_image_size(48, 36)
+    made.set_filter(1.5)
+    made.capture(0, scene[10:46, 10:58])
+    made.capture(1, scene[8:44, 7:55])
+    return made
+
+
+JOB = Job(0, 16, 12, 12, 12, 1, 12, 8, 9, 9, tag=7)
+
+
+def test_is_a_board(board: GoldenBoard) -> None:
+    assert isinstance(board, Board)
+
+
+def test_finds_the_shift_and_reads_planes(board: GoldenBoard) -> None:
+    (result,) = run_jobs(board, [JOB])
+    assert (result.status, result.tag) == (Status.OK, 7)
+    assert (12 + result.best_x - 16, 8 + result.best_y - 12) == (3, 2)
+    full, surface = board.surface(replace(JOB, surface=True))
+    assert full == result and surface.shape == (9, 9) and surface.max() == result.score
+    rng = np.random.default_rng(5)
+    frame = rng.integers(0, 256, (50, 60), dtype=np.uint8)[10:46, 10:58]
+    assert np.array_equal(board.read_plane(0), log.sign(frame, 1.5, TINY.radius))
+
+
+def test_grid_is_its_jobs(board: GoldenBoard) -> None:
+    first = replace(JOB, tpl_x=4, search_x=0)
+    board.submit_grid(first, (3, 2), (6, 4))
+    assert board.outstanding == 6
+    assert board.collect(6) == run_jobs(board, correlate.grid(first, (3, 2), (6, 4)))
+
+
+def test_refused_jobs_answer_with_their_status(board: GoldenBoard) -> None:
+    bad = [replace(JOB, width=17), replace(JOB, offsets_x=0), replace(JOB, tpl_slot=3), replace(JOB, search_x=40)]
+    assert [r.status for r in run_jobs(board, bad)] == [
+        Status.BAD_WINDOW, Status.NO_OFFSETS, Status.BAD_SLOT, Status.OUTSIDE]
+    assert board.counters()["refused"] == 4
+    with pytest.raises(BoardError, match="refused"):
+        board.surface(bad[3])
+
+
+def test_counters_and_clocks(board: GoldenBoard) -> None:
+    before = board.clocks
+    run_jobs(board, [JOB] * 5)
+    counts = board.counters()
+    assert (counts["frames_0"], counts["drops_0"], counts["jobs"], counts["scores"]) == (2, 0, 5, 5 * 81)
+    assert board.clocks - before == counts["busy_clocks"] == 5 * job_clocks(JOB, TINY)
+
+
+def test_clocks_of_the_reference_search() -> None:
+    job = Job(0, 288, 208, 64, 64, 1, 256, 176, 65, 65)
+    assert 65 * 65 <= job_clocks(job, FULL) <= 65 * 65 / 0.9
+
+
+def test_bad_calls(board: GoldenBoard) -> None:
+    frame = np.zeros((36, 48), np.uint8)
+    for call in (lambda: board.capture(6, frame), lambda: board.capture(0, frame[:-1]),
+                 lambda: board.capture(0, frame, camera=2), lambda: board.capture_pair((1, 1), (frame, frame)),
+                 lambda: board.set_filter(0.5), lambda: board.set_image_size(49, 36), lambda: board.collect(1),
+                 lambda: board.read_plane(5), lambda: board.submit([replace(JOB, surface=True)]),
+                 lambda: GoldenBoard(TINY).capture(0, frame)):
+        with pytest.raises(BoardError):
+            call()
+
+
+def test_another_size_empties_the_slots(board: GoldenBoard) -> None:
+    board.set_image_size(40, 36)
+    with pytest.raises(BoardError, match="another image size"):
+        board.submit([JOB])
+    board.capture_pair((0, 1), (np.zeros((36, 40), np.uint8), np.zeros((36, 40), np.uint8)))
+    assert run_jobs(board, [JOB])[0].score == 144
+    assert board.counters()["frames_1"] == 1

@@ -1,0 +1,162 @@
+"""Golden and Verilated board: the same bits for the same calls, from planes to tracks."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+
+from golden import correlate
+from golden.correlate import Job
+from golden.params import FULL, TINY, Config
+from signum.reproduce import figure8
+from signum.boards.board import BoardBase, BoardError, Image, run_jobs
+from signum.boards.golden import GoldenBoard
+from signum.measure.measurer import Measurer
+from signum.sources.open import Fit, open_source
+from signum.measure.track import Tracker, TrackPoint, TrackSettings
+from signum.boards.verilated import VerilatedBoard
+
+Pair = tuple[GoldenBoard, VerilatedBoard]
+
+
+@pytest.fixture(params=[TINY, FULL], ids=lambda c: c.name)
+def boards(request: pytest.FixtureRequest) -> Iterator[Pair]:
+    """Both boards of a configuration."""
+    config: Config = request.param
+    with GoldenBoard(config) as golden, VerilatedBoard(config) as verilated:
+        yield golden, verilated
+
+
+def _frames(size: tuple[int, int], count: int, seed: int = 0) -> list[Image]:
+    """Crops of a photograph wandering over it, with noise."""
+    rng = np.random.default_rng(seed)
+    gravel: Image = skimage.data.gravel()
+    photo = cv2.resize(gravel, (max(size[0] + 120, 512), max(size[1] + 120, 512)))
+    frames = []
+    for n in range(count):
+        x, y = 20 + 5 * n, 30 + 3 * n
+        crop = photo[y:y + size[1], x:x + size[0]].astype(np.float64) + rng.normal(0, 8, size[::-1])
+        frames.append(np.clip(crop, 0, 255).astype(np.uint8))
+    return frames
+
+
+def _jobs(config: Config, size: tuple[int, int], count: int, seed: int) -> list[Job]:
+    """Random jobs over slots 0 to 2, mostly acceptable ones."""
+    rng = np.random.default_rng(seed)
+    jobs = []
+    for n in range(count):
+        w, h = (int(v) for v in rng.integers(config.min_window, config.max_window + 1, 2))
+        nx, ny = (int(min(v, limit)) for v, limit in zip(rng.integers(1, 40, 2), (size[0] - w + 1, size[1] - h + 1),
+                                                         strict=True))
+        job = Job(int(rng.integers(3)), int(rng.integers(size[0] - w + 1)), int(rng.integers(size[1] - h + 1)), w, h,
+                  int(rng.integers(3)), int(rng.integers(size[0] - w - nx + 2)),
+                  int(rng.integers(size[1] - h - ny + 2)), nx, ny, n)
+        if n % 10 == 9:
+            job = (replace(job, width=config.max_window + 1), replace(job, offsets_y=0), replace(job, search_slot=5),
+                   replace(job, search_x=size[0] - w + 1))[n // 10 % 4]
+        jobs.append(job)
+    return jobs
+
+
+def _prepare(board: BoardBase, size: tuple[int, int], sigma: float, frames: list[Image]) -> None:
+    board.set_image_size(*size)
+    board.set_filter(sigma)
+    board.capture(0, frames[0])
+    board.capture_pair((1, 2), (frames[1], frames[2]))
+
+
+def test_planes_results_and_surfaces(boards: Pair) -> None:
+    config = boards[0].config
+    size = (47, 33) if config is TINY else (300, 201)
+    frames = _frames(size, 3)
+    count = 60 if config is TINY else 40
+    for sigma in (1.0, 2.3):
+        for board in boards:
+            _prepare(board, size, sigma, frames)
+        for slot in range(3):
+            assert np.array_equal(boards[0].read_plane(slot), boards[1].read_plane(slot))
+        jobs = _jobs(config, size, count, seed=int(10 * sigma))
+        results = [run_jobs(board, jobs) for board in boards]
+        assert results[0] == results[1] and len(results[0]) == count
+        assert len({r.status for r in results[0]}) == 5, "every way to refuse a job must have been met"
+        good = [job for job, r in zip(jobs, results[0], strict=True) if r.status is correlate.Status.OK][:4]
+        for job in good:
+            (golden, surface), (verilated, streamed) = (board.surface(job) for board in boards)
+            assert golden == verilated and np.array_equal(surface, streamed)
+    counts = [board.counters() for board in boards]
+    for key in ("frames_0", "frames_1", "drops_0", "drops_1", "jobs", "refused", "scores"):
+        assert counts[0][key] == counts[1][key], key
+
+
+def test_grids(boards: Pair) -> None:
+    config = boards[0].config
+    size = (48, 36) if config is TINY else (320, 200)
+    w = config.group_bits
+    job = Job(0, 6, 5, w, w, 1, 4, 3, 7, 6, 65530)
+    step = (w, w // 2)  # the last column runs off the picture
+    for board in boards:
+        _prepare(board, size, 1.5, _frames(size, 3, seed=1))
+        board.submit_grid(job, (6, 5), step)
+    results = [board.collect(30) for board in boards]
+    assert results[0] == results[1]
+    assert {r.status for r in results[0]} == {correlate.Status.OK, correlate.Status.OUTSIDE}
+
+
+def test_errors_are_the_same(boards: Pair) -> None:
+    size = (40, 36) if boards[0].config is TINY else (200, 150)
+    frames = _frames(size, 3)
+    messages = []
+    for board in boards:
+        _prepare(board, size, 1.5, frames)
+        with pytest.raises(BoardError) as refused:
+            board.surface(Job(0, size[0] - 4, 0, 8, 8, 1, 0, 0, 3, 3))
+        with pytest.raises(BoardError) as missing:
+            board.read_plane(4)
+        board.set_image_size(size[0] - 2, size[1])
+        with pytest.raises(BoardError) as stale:
+            run_jobs(board, [Job(0, 0, 0, 8, 8, 1, 0, 0, 3, 3)])
+        messages.append([str(e.value) for e in (refused, missing, stale)])
+    assert messages[0] == messages[1]
+
+
+def test_figure8() -> None:
+    """The paper's bar through the RTL, and the same bits."""
+    with GoldenBoard() as golden, VerilatedBoard() as verilated:
+        for name in ("gravel", "grass"):
+            picture = np.asarray(cv2.resize(getattr(skimage.data, name)(), figure8.SIZE), np.uint8)
+            rows = [figure8.measure(board, name, picture, [1.5])[0] for board in (golden, verilated)]
+            assert rows[0] == rows[1]
+            assert rows[1].whole > 0.90 and rows[1].inner > 0.95
+            for slot in (0, 1):
+                assert np.array_equal(golden.read_plane(slot), verilated.read_plane(slot))
+
+
+def _tracks(frames: list[Image], fit: Fit, features: int) -> list[list[TrackPoint]]:
+    """Tracks by the golden board, which those by the Verilated board equal to the last bit of the sub-pixel fits."""
+    points = []
+    for kind in (GoldenBoard, VerilatedBoard):
+        with kind(FULL) as board:
+            tracker = Tracker(Measurer(board, fit.board, 2.5), TrackSettings(features=features))
+            points.append([tracker.step(fit.show(frame)) for frame in frames])
+    assert points[0] == points[1]
+    return points[0]
+
+
+def test_tracks() -> None:
+    size = (320, 240)
+    points = _tracks(_frames(size, 5, seed=2), Fit.to(size, FULL, 64), 8)
+    assert sum(p.valid and p.dx < -1 for frame in points for p in frame) >= 16
+
+
+@pytest.mark.parametrize("name", ["sparus", "aqualoc"])
+def test_tracks_of_real_seabed(name: str) -> None:
+    file = figure8.SHARED / name / f"{name}_snippet.mp4"
+    if not file.exists():
+        pytest.skip("real frames are not at hand: no ../shared/data")
+    frames = [f.grey for f in islice(open_source(file), 4)]
+    points = _tracks(frames, Fit.to(frames[0].shape[::-1], FULL, 64), 10)
+    assert sum(p.valid for frame in points[1:] for p in frame) >= 15

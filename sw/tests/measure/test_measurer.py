@@ -1,0 +1,189 @@
+"""Measurements on the golden board: accuracy, and that each check refuses what it is there for."""
+
+from typing import Literal
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+
+from golden.params import FULL
+from signum.boards.board import Image
+from signum.reproduce.figure8 import degrade
+from signum.boards.golden import GoldenBoard
+from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
+from signum.measure.predict import SearchPredictor
+from signum.measure.subpixel import line_offset, peak_offsets
+
+SIZE = 400, 320
+
+
+def _photo(name: str = "gravel") -> Image:
+    return np.asarray(getattr(skimage.data, name)(), np.uint8)
+
+
+def _shifted(photo: Image, dx: float, dy: float) -> Image:
+    """The picture's middle, with what it shows moved by (dx, dy)."""
+    matrix = np.array([[1, 0, dx - 56], [0, 1, dy - 96]], np.float64)
+    return np.asarray(cv2.warpAffine(photo, matrix, SIZE, flags=cv2.INTER_CUBIC), np.uint8)
+
+
+def _grid(size: int = 64, step: int = 60) -> list[tuple[int, int]]:
+    return [(x, y) for y in range(60, SIZE[1] - 60, step) for x in range(60, SIZE[0] - 60, step)]
+
+
+def _errors(before: Image, after: Image, shift: tuple[float, float], sigma: float, rules: Rules) -> list[float]:
+    with GoldenBoard() as board:
+        m = Measurer(board, SIZE, sigma, rules)
+        a, b = m.view(before), m.view(after)
+        found = m.measure([Query(a, b, x, y, 64, 64) for x, y in _grid()])
+    return [float(np.hypot(f.dx_px - shift[0], f.dy_px - shift[1])) for f in found if f.valid]
+
+
+@pytest.mark.parametrize("sigma", [1.0, 2.5, 4.0])
+def test_clean_shifts(sigma: float) -> None:
+    errors = []
+    for shift in ((3.3, -2.6), (-7.5, 0.2), (0.0, 4.9)):
+        errors += _errors(_shifted(_photo(), 0, 0), _shifted(_photo(), *shift), shift, sigma, Rules())
+    rms = float(np.sqrt(np.mean(np.square(errors))))
+    print(f"sigma {sigma:g}: {len(errors)} valid, RMS {rms:.3f} px")
+    assert len(errors) >= 0.9 * 3 * len(_grid()) and rms < 0.1
+
+
+def test_degraded_shifts() -> None:
+    shift = (5.4, -3.7)
+    errors = _errors(degrade(_shifted(_photo(), 0, 0), 1), degrade(_shifted(_photo(), *shift), 2), shift, 2.5, Rules())
+    assert len(errors) >= 0.8 * len(_grid()) and np.sqrt(np.mean(np.square(errors))) < 0.25
+
+
+def test_other_places_are_never_called_valid() -> None:
+    """Windows of a picture that is not there at all."""
+    with GoldenBoard() as board:
+        m = Measurer(board, SIZE, 2.5)
+        a, b = m.view(_shifted(_photo("gravel"), 0, 0)), m.view(_shifted(_photo("grass"), 0, 0))
+        found = m.measure([Query(a, b, x, y, 64, 64, reach=(24, 24)) for x, y in _grid()])
+    assert len(found) >= 20 and not any(f.valid for f in found)
+    assert {f.reason for f in found} <= {Reason.SCORE, Reason.MARGIN, Reason.BORDER, Reason.RETURN}
+
+
+def _one(a: Image, b: Image, query: tuple[int, int, int, int], rules: Rules | None = None, **more: tuple[int, int],
+         ) -> Measurement:
+    with GoldenBoard() as board:
+        m = Measurer(board, SIZE, 2.5, rules)
+        views = m.view(a), m.view(b)
+        (found,) = m.measure([Query(*views, *query, **more)])  # type: ignore[arg-type]
+    return found
+
+
+def test_reasons() -> None:
+    still = _shifted(_photo(), 0, 0)
+    assert _one(still, still, (200, 160, 64, 64)).reason is Reason.NONE
+    assert _one(still, still, (20, 160, 64, 64)).reason is Reason.OUTSIDE
+    assert _one(still, still, (200, 160, 64, 64), guess=(400, 0)).reason is Reason.OUTSIDE
+    assert _one(still, _shifted(_photo(), 30, 0), (200, 160, 64, 64), Rules(min_score=0.9)).reason is Reason.SCORE
+    assert _one(still, still, (200, 160, 64, 64), Rules(min_margin=0.6)).reason is Reason.MARGIN
+    border = _one(still, _shifted(_photo(), 16, 0), (200, 160, 64, 64), Rules(min_margin=0.0))
+    assert border.reason is Reason.BORDER and border.dx_px == 16
+    flat = np.full(SIZE[::-1], 90, np.uint8)
+    assert not _one(flat, flat, (200, 160, 64, 64)).valid
+    edge = flat.copy()
+    edge[:, 200:] = 160
+    assert not _one(edge, edge, (200, 160, 64, 64)).valid
+    along = Rules(min_margin=0.0)  # a search across the edge is sharp, and still the window is no more than an edge
+    assert _one(edge, edge, (200, 160, 64, 64), along, reach=(8, 0)).reason is Reason.TEXTURE
+
+
+def test_backward_search_must_return() -> None:
+    """What a window finds looks like it, but is something else that stood beside it: the way back ends there."""
+    rng = np.random.default_rng(3)
+    reference, live = (rng.integers(0, 256, SIZE[::-1], dtype=np.uint8) for _ in range(2))
+    window = reference[136:184, 126:174].astype(np.float64)
+    double = np.clip(0.7 * window + 0.3 * live[140:188, 130:178], 0, 255).astype(np.uint8)
+    live[140:188, 130:178] = double
+    reference[136:184, 176:224] = double
+    reach = (56, 16)
+    true = _one(reference, live, (200, 160, 40, 40), guess=(-46, 4), reach=reach)
+    assert true.valid and (round(true.dx_px), round(true.dy_px)) == (-46, 4)
+    false = _one(reference, live, (150, 160, 40, 40), reach=reach)
+    assert false.reason is Reason.RETURN and (round(false.dx_px), round(false.dy_px)) == (4, 4)
+    assert _one(reference, live, (150, 160, 40, 40), Rules(backward=False), reach=reach).valid
+
+
+def test_views_are_bounded_and_released() -> None:
+    frame = _shifted(_photo(), 0, 0)
+    with GoldenBoard() as board:
+        m = Measurer(board, SIZE)
+        views = [m.view(frame) for _ in range(FULL.slots - 2)]
+        views += m.pair(frame, frame)
+        with pytest.raises(RuntimeError, match="release"):
+            m.view(frame)
+        m.release(views[2])
+        assert m.free_views == 1
+        with pytest.raises(RuntimeError, match="pair"):
+            m.pair(frame, frame)
+        with pytest.raises(ValueError, match="released before"):
+            m.release(views[2])
+
+
+def test_lines_for_one_dimensional_searches() -> None:
+    with GoldenBoard() as board:
+        m = Measurer(board, SIZE, 1.5)
+        a, b = m.view(_shifted(_photo(), 0, 0)), m.view(_shifted(_photo(), -6.4, 0))
+        found = m.measure([Query(a, b, x, y, 64, 64, (-8, 0), (8, 0)) for x, y in _grid()])
+    good = [f for f in found if f.valid]
+    assert len(good) >= 0.9 * len(found)
+    assert np.sqrt(np.mean([(f.dx_px + 6.4) ** 2 for f in good])) < 0.1
+    assert all(f.dy_px == 0 for f in good)
+
+
+@pytest.mark.parametrize("fit", ["cone", "parabola"])
+def test_fits_find_their_own_shape(fit: Literal["cone", "parabola"]) -> None:
+    rng = np.random.default_rng(1)
+    tips = rng.uniform(-0.5, 0.5, (200, 2))
+    (a, b), c = rng.uniform(0.03, 0.12, (2, 200, 1, 1)), rng.uniform(-0.04, 0.04, (200, 1, 1))
+    y, x = np.mgrid[-1:2, -1:2]
+    x, y = x - tips[:, :1, None], y - tips[:, 1:, None]
+    squared = (a * x + c * y) ** 2 + (b * y) ** 2
+    fall = np.sqrt(squared + 0.1 * (a**2 + b**2)) if fit == "cone" else squared
+    found = peak_offsets(4000 - 4096 * fall, 4096.0, fit)
+    assert np.abs(found - tips).max() < (0.01 if fit == "cone" else 1e-9)
+    assert line_offset(0.8, 0.9, 0.8, fit) == 0 and line_offset(0.5, 0.5, 0.5, fit) == 0
+
+
+def test_a_sharp_round_cone_is_found_by_the_blunt_one() -> None:
+    tips = np.random.default_rng(2).uniform(-0.5, 0.5, (200, 2))
+    y, x = np.mgrid[-1:2, -1:2]
+    sharp = 4000 - 300 * np.hypot(x - tips[:, :1, None], y - tips[:, 1:, None])
+    assert np.abs(peak_offsets(sharp, 4096.0, "cone") - tips).max() < 0.04
+
+
+def test_a_patch_without_a_peak_keeps_its_integer_place() -> None:
+    flat, edge = np.full((3, 3), 3000), np.tile([2000, 3000, 2000], (3, 1))
+    found = peak_offsets(np.stack([flat, edge]), 4096.0, "cone")
+    assert np.abs(found).max() < 1e-6
+
+
+def test_white_match_is_the_theory() -> None:
+    """Signs of filtered white noise against the closed form."""
+    noise = np.random.default_rng(0).integers(0, 256, (480, 640), dtype=np.uint8)
+    with GoldenBoard() as board:
+        board.set_image_size(640, 480)
+        board.set_filter(2.5)
+        board.capture(0, noise)
+        plane = board.read_plane(0)
+    for d in (1, 2, 3, 5):
+        assert (plane[:, d:] == plane[:, :-d]).mean() == pytest.approx(white_match(d, 2.5), abs=0.01)
+
+
+def test_predictor() -> None:
+    p = SearchPredictor(floor=6, widest=32)
+    assert p.reach == 32
+    p.learn(np.zeros(10), 10)
+    assert p.reach == 16
+    p.learn(np.zeros(10), 10)
+    p.learn(np.zeros(10), 10)
+    assert p.reach == 6
+    p.learn(np.full(10, 2.0), 10)
+    assert p.reach == 12
+    p.learn(np.zeros(4), 10)
+    assert p.reach == 32

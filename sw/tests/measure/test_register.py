@@ -1,0 +1,102 @@
+"""Registration against known similarities, and refusal where there is nothing to find."""
+
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+
+from signum.geometry.similarity import Similarity
+from signum.boards.golden import GoldenBoard
+from signum.measure.measurer import Measurer
+from signum.measure.register import Registrar
+from signum.world.scene import gravel
+from signum.sources.open import Fit, Picture, open_source
+from signum.reproduce.reference import SHARED
+
+SIZE = 384, 288
+
+
+def _registrar(size: tuple[int, int] = SIZE, window: int = 64, sigma: float = 2.5) -> Registrar:
+    board = GoldenBoard()
+    return Registrar.on(lambda s, wide: Measurer(board, s, wide), Fit.to(size, board.config, window), window, sigma)
+
+
+def _cut(photo: Picture, place: Similarity, size: tuple[int, int] = SIZE, seed: int = 0) -> Picture:
+    """The frame that `place` puts into the photograph, with sensor noise."""
+    view = cv2.warpAffine(photo, place.matrix, size, flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP)
+    noise = np.random.default_rng(seed).normal(0, 3, view.shape)
+    return np.asarray(np.clip(view + noise, 0, 255), np.uint8)
+
+
+@pytest.mark.parametrize(("rot", "scale", "shift"), [
+    (0.0, 1.0, (0.0, 96.4)), (0.0, 1.0, (-5.3, -188.0)), (2.0, 1.0, (130.2, 20.0)), (-5.0, 1.03, (20.0, 90.0)),
+    (9.0, 0.96, (-60.0, 70.0)), (-8.0, 1.0, (150.0, -30.0)),
+])
+def test_known_similarity(rot: float, scale: float, shift: tuple[float, float]) -> None:
+    photo = gravel()
+    registrar = _registrar()
+    a = Similarity.of(shift=(320.0, 360.0))
+    about = complex(*registrar.centre)
+    turn = Similarity.of(rot, scale)
+    b = a @ Similarity(turn.factor, about - turn.factor * about + complex(*shift))
+    truth = b.inverse @ a
+    result = registrar.register(registrar.prepare(_cut(photo, a)), registrar.prepare(_cut(photo, b, seed=1)))
+    assert result.accepted, result.reason
+    corners = np.array([[0.0, 0.0], [383.0, 0.0], [0.0, 287.0], [383.0, 287.0], [191.5, 143.5]])
+    assert np.abs(result.similarity(corners) - truth(corners)).max() < 1.5
+    wanted = truth(registrar.centre) - registrar.centre
+    assert np.allclose(result.shift, wanted, atol=0.6)
+    assert result.turning and result.score > 0.7 and result.agreed >= 4
+
+
+def test_pictures_larger_than_the_board_answer_in_their_own_pixels() -> None:
+    photo = gravel(4.0)
+    registrar = _registrar((1280, 960))
+    assert registrar.fine.board == (640, 480)
+    a, b = Similarity.of(shift=(300.0, 600.0)), Similarity.of(shift=(337.0, 281.0))
+    result = registrar.register(registrar.prepare(_cut(photo, a, (1280, 960))),
+                                registrar.prepare(_cut(photo, b, (1280, 960), 1)))
+    assert result.accepted and np.allclose(result.shift, (-37.0, 319.0), atol=1.0)
+
+
+@pytest.mark.parametrize("other", ["grass", "brick", "moon", "elsewhere", "flat"])
+def test_strangers_are_refused(other: str) -> None:
+    photo = gravel()
+    if other == "flat":
+        stranger = np.full((1024, 1024), 90, np.uint8)
+    elif other == "elsewhere":
+        stranger = np.ascontiguousarray(photo[::-1])
+    else:
+        stranger = np.asarray(cv2.resize(getattr(skimage.data, other)(), (1024, 1024)), np.uint8)
+    registrar = _registrar()
+    place = Similarity.of(shift=(320.0, 360.0))
+    result = registrar.register(registrar.prepare(_cut(photo, place)), registrar.prepare(_cut(stranger, place, seed=1)))
+    assert not result.accepted and result.reason
+
+
+@pytest.mark.parametrize("run", ["skerki", "imos/test1", "imos/test5"])
+def test_mirrored_neighbours_of_real_surveys_are_refused(run: str) -> None:
+    if not (SHARED / run).exists():
+        pytest.skip(f"no {SHARED / run} on this machine")
+    frames = [frame.picture for frame in open_source(SHARED / run)]
+    registrar = _registrar((frames[0].shape[1], frames[0].shape[0]))
+    shares = []
+    for a, b in pairwise(frames):
+        found = registrar.register(registrar.prepare(a), registrar.prepare(np.ascontiguousarray(b[:, ::-1])))
+        shares.append(found.agreed / max(found.tried, 1))
+        assert not found.accepted, shares
+    print(f"{run}: of the windows of {len(shares)} wrong pairs at most {max(shares):.2f} agree")
+    assert len(shares) >= 7 and max(shares) <= 0.5 * registrar.limits.share
+
+
+def test_a_guess_saves_the_search_and_a_wrong_one_is_refused() -> None:
+    photo = gravel()
+    registrar = _registrar()
+    a, b = Similarity.of(shift=(300.0, 300.0)), Similarity.of(shift=(306.0, 280.0))
+    pictures = registrar.prepare(_cut(photo, a)), registrar.prepare(_cut(photo, b, seed=1))
+    near = registrar.register(*pictures, guess=Similarity.of(shift=(0.0, 10.0)), reach=16)
+    assert near.accepted and np.allclose(near.shift, (-6.0, 20.0), atol=0.3)
+    far = registrar.register(*pictures, guess=Similarity.of(shift=(0.0, 90.0)), reach=16)
+    assert not far.accepted

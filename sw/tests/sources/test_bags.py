@@ -1,0 +1,139 @@
+"""ROS 1 and 2 bags and MCAP written by rosbags' own writers, and every error a bag can make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+from rosbags.typesys import Stores, get_typestore
+
+from signum.sources.bags import BagSource
+from signum.common.errors import SourceError
+from signum.sources.open import open_source
+
+KINDS = "ros1", "sqlite3", "mcap"
+COLOUR = np.random.default_rng(0).integers(0, 256, (12, 16, 3), dtype=np.uint8)
+"""Blue, green, red."""
+Message = Callable[[Any, Any], Any]
+
+
+def _write(folder: Path, kind: str, topics: dict[str, list[Message]], msgtype: str = "sensor_msgs/msg/Image") -> Path:
+    """A bag of messages by topic; each message is made from (typestore, header)."""
+    store = get_typestore(Stores.ROS1_NOETIC if kind == "ros1" else Stores.ROS2_HUMBLE)
+    time = store.types["builtin_interfaces/msg/Time"](0, 0)
+    header = store.types["std_msgs/msg/Header"](**({"seq": 0} if kind == "ros1" else {}), stamp=time, frame_id="camera")
+    path = folder / ("dive.bag" if kind == "ros1" else "dive")
+    writer: Any = Writer1(path) if kind == "ros1" else Writer2(
+        path, version=9, storage_plugin=StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3)
+    serialize = store.serialize_ros1 if kind == "ros1" else store.serialize_cdr
+    with writer:
+        for topic, messages in topics.items():
+            name = "std_msgs/msg/Header" if messages == [_header] else msgtype
+            connection = writer.add_connection(topic, name, typestore=store)
+            for k, make in enumerate(messages):
+                writer.write(connection, 1000 * k, serialize(make(store, header), name))
+    return path
+
+
+def _header(_: Any, header: Any) -> Any:
+    return header
+
+
+def _image(encoding: str, picture: np.ndarray[Any, Any], padding: int = 0) -> Message:
+    """An image message, with so many bytes of padding at the end of a row."""
+    rows = picture.reshape(picture.shape[0], -1)
+    data = np.hstack([rows, np.zeros((len(rows), padding), np.uint8)])
+
+    def make(store: Any, header: Any) -> Any:
+        return store.types["sensor_msgs/msg/Image"](header, picture.shape[0], picture.shape[1], encoding, 0,
+                                                    data.shape[1], data.ravel())
+    return make
+
+
+def _jpeg(picture: np.ndarray[Any, Any]) -> Message:
+    data = np.asarray(cv2.imencode(".png", picture)[1], np.uint8).ravel()
+    return lambda store, header: store.types["sensor_msgs/msg/CompressedImage"](header, "png", data)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_only_topic_is_read_in_order(tmp_path: Path, kind: str) -> None:
+    pictures = [np.full((40, 50), 10 * k, np.uint8) for k in range(4)]
+    path = _write(tmp_path, kind, {"/camera/image_raw": [_image("mono8", p, 6) for p in pictures], "/tick": [_header]})
+    source = open_source(path)
+    assert isinstance(source, BagSource) and source.count == 4 and not source.snapshots
+    frames = list(source)
+    assert [f.name for f in frames] == ["0", "1", "2", "3"]
+    assert all(np.array_equal(f.picture, p) for f, p in zip(frames, pictures, strict=True))
+    assert len(list(source)) == 4, "a source can be read again"
+    if kind == "mcap":
+        assert len(list(open_source(path / "dive.mcap"))) == 4, "the file inside the folder alone"
+
+
+@pytest.mark.parametrize(("encoding", "picture", "wanted"), [
+    ("mono8", COLOUR[..., 1], COLOUR[..., 1]), ("bgr8", COLOUR, COLOUR), ("rgb8", COLOUR[..., ::-1], COLOUR),
+    ("bgra8", np.dstack([COLOUR, COLOUR[..., 0]]), COLOUR),
+    ("rgba8", np.dstack([COLOUR[..., ::-1], COLOUR[..., 0]]), COLOUR)])
+def test_encodings(tmp_path: Path, encoding: str, picture: np.ndarray[Any, Any], wanted: np.ndarray[Any, Any]) -> None:
+    (frame,) = open_source(_write(tmp_path, "ros1", {"/image": [_image(encoding, picture)]}))
+    assert np.array_equal(frame.picture, wanted)
+
+
+@pytest.mark.parametrize("pattern", ["rggb", "bggr", "gbrg", "grbg"])
+def test_bayer_patterns(tmp_path: Path, pattern: str) -> None:
+    blue_green_red = (40, 120, 200)
+    tile = np.array(["bgr".index(c) for c in pattern]).reshape(2, 2)
+    raw = np.tile(np.array(blue_green_red, np.uint8)[tile], (6, 8))
+    (frame,) = open_source(_write(tmp_path, "mcap", {"/image": [_image(f"bayer_{pattern}8", raw)]}))
+    assert frame.picture.shape == (12, 16, 3) and (frame.picture == blue_green_red).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_compressed(tmp_path: Path, kind: str) -> None:
+    path = _write(tmp_path, kind, {"/c": [_jpeg(COLOUR), _jpeg(COLOUR)]}, "sensor_msgs/msg/CompressedImage")
+    assert all(np.array_equal(f.picture, COLOUR) for f in open_source(path))
+    (tmp_path / "grey").mkdir()
+    grey = _write(tmp_path / "grey", kind, {"/c": [_jpeg(COLOUR[..., 0])]}, "sensor_msgs/msg/CompressedImage")
+    assert next(iter(open_source(grey))).picture.ndim == 2
+
+
+def test_one_of_several_topics(tmp_path: Path) -> None:
+    path = _write(tmp_path, "sqlite3", {"/left": [_image("mono8", COLOUR[..., 0])] * 2,
+                                        "/right": [_image("mono8", COLOUR[..., 1])] * 3})
+    assert len(list(open_source(f"{path}#/right"))) == 3
+    with pytest.raises(SourceError, match=r"several image topics: /left \(2 frames\), /right \(3 frames\); choose one"):
+        open_source(path)
+    with pytest.raises(SourceError, match=r"no image topic /up; it has /left"):
+        open_source(f"{path}#/up")
+
+
+@pytest.mark.parametrize(("messages", "says"), [
+    ([_header], "no image topic in this bag"), ([_image("mono16", COLOUR[..., 0])], "encoding 'mono16'; signum reads"),
+    ([lambda s, h: s.types["sensor_msgs/msg/Image"](h, 480, 640, "mono8", 0, 640, np.zeros(9, np.uint8))],
+     "9 bytes for 640x480")])
+def test_what_cannot_be_read_is_said(tmp_path: Path, messages: list[Message], says: str) -> None:
+    path = _write(tmp_path, "ros1", {"/image": messages})
+    with pytest.raises(SourceError, match=says) as error:
+        list(open_source(path))
+    assert str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["junk.bag", "junk.mcap", "junk.db3", "empty.bag"])
+def test_no_bag_at_all(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"" if name.startswith("empty") else bytes(range(256)) * 8)
+    with pytest.raises(SourceError, match="not a ROS bag that can be read"):
+        list(open_source(tmp_path / name))
+
+
+def test_cut_short_gives_what_it_has_or_says_so(tmp_path: Path) -> None:
+    pictures = [_image("mono8", np.full((100, 120), k, np.uint8)) for k in range(40)]
+    path = _write(tmp_path, "ros1", {"/image": pictures})
+    path.write_bytes(path.read_bytes()[:-3000])
+    with pytest.raises(SourceError, match="rosbag reindex"):
+        list(open_source(path))

@@ -1,0 +1,151 @@
+"""Sources: order and names of frames, and every error a user can make."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from golden.params import FULL
+from signum.common.errors import SourceError
+from signum.sources.open import ArraySource, CameraSource, Fit, FolderSource, VideoSource, open_source, read_picture
+
+
+def _picture(width: int = 64, height: int = 48, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).integers(0, 256, (height, width), dtype=np.uint8)
+
+
+def _video(path: Path, frames: int, size: tuple[int, int] = (96, 64)) -> Path:
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 10, size)
+    for i in range(frames):
+        writer.write(cv2.cvtColor(_picture(*size, seed=i), cv2.COLOR_GRAY2BGR))
+    writer.release()
+    return path
+
+
+def test_folder_in_natural_order_named_by_stem(tmp_path: Path) -> None:
+    for name in ("10.png", "9.tif", "1.jpg", "notes.csv", ".hidden.png"):
+        file = tmp_path / name
+        file.write_text("x") if name.endswith("csv") else cv2.imwrite(str(file), _picture())
+    source = open_source(tmp_path)
+    assert isinstance(source, FolderSource) and source.snapshots and source.count == 3
+    assert [f.name for f in source] == ["1", "9", "10"]
+
+
+def test_colour_transparency_and_grey(tmp_path: Path) -> None:
+    colour = np.dstack([_picture(seed=s) for s in range(3)])
+    for name, picture, shape in (("c", colour, (48, 64, 3)), ("g", _picture(), (48, 64)),
+                                 ("a", np.dstack([colour, _picture()]), (48, 64, 3))):
+        cv2.imwrite(str(tmp_path / f"{name}.png"), picture)
+        read = read_picture(tmp_path / f"{name}.png")
+        assert read.shape == shape and np.array_equal(read, picture[..., :3] if picture.ndim == 3 else picture)
+
+
+def test_video_frames_are_numbered_from_zero(tmp_path: Path) -> None:
+    source = open_source(_video(tmp_path / "v.avi", 12))
+    assert isinstance(source, VideoSource) and not source.snapshots and source.count == 12
+    assert [f.name for f in source] == [str(i) for i in range(12)]
+    assert [f.name for f in source] == [str(i) for i in range(12)], "a source can be read again"
+
+
+def test_arrays(tmp_path: Path) -> None:
+    stack = np.stack([_picture(seed=s) for s in range(3)])
+    np.save(tmp_path / "s.npy", stack)
+    frames = list(open_source(tmp_path / "s.npy"))
+    assert [f.name for f in frames] == ["0", "1", "2"] and np.array_equal(frames[2].picture, stack[2])
+    assert [f.size for f in ArraySource(stack)] == [(64, 48)] * 3
+
+
+def test_a_number_is_a_camera_unless_it_is_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    source = open_source("7")
+    assert isinstance(source, CameraSource) and source.index == 7
+    with pytest.raises(SourceError, match=r"camera 7: cannot be opened.*ls /dev/video"):
+        next(iter(source))
+    (tmp_path / "7").mkdir()
+    with pytest.raises(SourceError, match="no pictures"):
+        open_source("7")
+
+
+def _bad(folder: Path, kind: str) -> Path:
+    path = folder / {"16bit": "a.png", "text": "a.png", "cut": "a.png", "cutjpg": "a.jpg", "float": "a.tif",
+                     "npy": "a.npy", "npyshape": "a.npy", "video": "a.mp4", "emptyvideo": "a.mp4"}.get(kind, "a")
+    if kind == "16bit":
+        cv2.imwrite(str(path), _picture().astype(np.uint16) * 256)
+    elif kind == "float":
+        cv2.imwrite(str(path), _picture().astype(np.float32))
+    elif kind == "text":
+        path.write_text("this is no picture")
+    elif kind in ("cut", "cutjpg"):
+        cv2.imwrite(str(path), _picture(256, 200))
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    elif kind == "npy":
+        path.write_text("no array")
+    elif kind == "npyshape":
+        np.save(path, np.zeros((4, 5, 6), np.float64))
+    elif kind == "video":
+        path.write_bytes(bytes(range(256)) * 40)
+    elif kind == "emptyvideo":
+        path.touch()
+    elif kind == "emptyfolder":
+        path.mkdir()
+    return path
+
+
+@pytest.mark.parametrize(("kind", "says"), [
+    ("missing", "no such file or folder"), ("16bit", "16-bit picture.*convert"), ("float", "32-bit picture"),
+    ("text", "cannot be read"), ("cut", "broken or cut short"), ("cutjpg", "broken or cut short"),
+    ("npy", "not a NumPy array"), ("npyshape", r"float64 array of shape \(4, 5, 6\)"),
+    ("video", "not a video that can be decoded.*ffmpeg"), ("emptyvideo", "file is empty"),
+    ("emptyfolder", "no pictures in this folder"),
+])
+def test_bad_input_is_one_line_that_names_the_file(tmp_path: Path, kind: str, says: str) -> None:
+    path = _bad(tmp_path, kind)
+    with pytest.raises(SourceError, match=says) as error:
+        list(open_source(path))
+    assert str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+def test_frames_of_different_sizes_are_named_when_their_turn_comes(tmp_path: Path) -> None:
+    for name, size in (("1", (64, 48)), ("2", (64, 48)), ("3", (64, 50))):
+        cv2.imwrite(str(tmp_path / f"{name}.png"), _picture(*size))
+    seen = []
+    with pytest.raises(SourceError, match="frame 3 is 64x50, frame 1 is 64x48"):
+        for frame in open_source(tmp_path):
+            seen.append(frame.name)
+    assert seen == ["1", "2"]
+
+
+def test_two_pictures_of_one_name(tmp_path: Path) -> None:
+    for name in ("5.png", "5.tif"):
+        cv2.imwrite(str(tmp_path / name), _picture())
+    with pytest.raises(SourceError, match="would both be frame 5"):
+        open_source(tmp_path)
+
+
+def test_video_cut_short_gives_what_it_has_first(tmp_path: Path) -> None:
+    path = _video(tmp_path / "v.avi", 30)
+    source = VideoSource(path)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 3])
+    seen = []
+    with pytest.raises(SourceError, match=r"broken after frame \d+ of 30"):
+        for frame in source:
+            seen.append(frame)
+    assert 3 <= len(seen) < 20
+
+
+def test_fit_scales_down_never_up_and_back() -> None:
+    small, large = Fit.to((320, 240), FULL, 64), Fit.to((1360, 1024), FULL, 64)
+    assert not small.scaled and not small.note()
+    assert large.board == (638, 480) and "638x480" in large.note()
+    points = np.array([[0.0, 0.0], [679.5, 511.5], [1359.0, 1023.0]])
+    assert np.allclose(large.to_source(large.to_board(points)), points)
+    assert np.allclose(large.to_board(points[1]), [318.5, 239.5]), "centre on centre"
+    assert large.show(np.zeros((1024, 1360, 3), np.uint8)).shape == (480, 638)
+    assert large.coarser(160).board == (160, 120)
+
+
+@pytest.mark.parametrize(("size", "says"), [((60, 50), "--window 25"), ((400, 20), "34x34 or more")])
+def test_frame_smaller_than_the_window(size: tuple[int, int], says: str) -> None:
+    with pytest.raises(SourceError, match=f"smaller than the .* window.*{says}"):
+        Fit.to(size, FULL, 64)
