@@ -27,7 +27,7 @@ $(VENV)/.synth: requirements-synth.lock $(VENV)/.installed
 
 .PHONY: setup
 setup: $(VENV)/.installed ## Virtual environment with pinned packages, Verilated board; then .venv/bin/signum
-	@$(PY) -m sim.build
+	@$(PY) -m sim.board
 
 .PHONY: demo
 demo: setup ## Simulated flight through the Verilated board: out/demo/report.html
@@ -35,7 +35,7 @@ demo: setup ## Simulated flight through the Verilated board: out/demo/report.htm
 
 .PHONY: reproduce
 reproduce: setup ## Every figure and table of the paper on one page: out/reproduce/index.html (BOARD=golden|verilated)
-	@$(PY) -m sw.reproduce --board $(BOARD) --out out/reproduce
+	@$(PY) -m signum.reproduce --board $(BOARD) --out out/reproduce
 
 .PHONY: test
 test: setup ## Every test, on two cores (JOBS=n for others)
@@ -46,7 +46,7 @@ lint: $(VENV)/.installed ## Python, RTL and generated files, without running any
 	@$(PY) -m ruff check .
 	@$(PY) -m mypy
 	@$(PY) -m golden.params --check
-	@$(PY) -m sim.regs --check
+	@$(PY) -m sim.registers --check
 	@$(PY) -m sim.lint
 
 .PHONY: synth
@@ -55,12 +55,12 @@ synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.j
 
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
-	@$(PY) -m sim.bench
+	@$(PY) -m sim.speed
 
 .PHONY: regs
-regs: $(VENV)/.installed ## Regenerate everything made from rtl/slog_csr.rdl and golden/params.py
+regs: $(VENV)/.installed ## Regenerate everything made from rtl/control/slog_csr.rdl and golden/params.py
 	@$(PY) -m golden.params
-	@$(PY) -m sim.regs
+	@$(PY) -m sim.registers
 
 .PHONY: lock
 lock: ## Pin the newest packages that pyproject.toml allows (needs uv)

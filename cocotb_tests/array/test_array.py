@@ -1,14 +1,18 @@
-"""Cocotb side of the `slog_array` test: arbitrary operands, and an array that stands still at any time."""
+"""`slog_array` against its cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.array.timing import core_latency
 from golden.cycle.array.array import ArrayModel
+from golden.cycle.array.timing import core_latency
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import FULL, TINY
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 
 def traffic(rng: random.Random, move: str, bubbles: str, passes: int, reset_at: int | None) -> Stimulus:
@@ -97,3 +101,9 @@ async def fullest_count(dut) -> None:
 
     await check_cycles(dut, ArrayModel(g, lanes), rows(), watch)
     assert best == (2 * g) ** 2
+
+
+@pytest.mark.parametrize(("group_bits", "lanes"), [
+    (TINY.group_bits, TINY.lanes), (4, 8), (FULL.group_bits, FULL.lanes)])
+def test_array(group_bits: int, lanes: int) -> None:
+    simulate("slog_array", __name__, {"GroupBits": group_bits, "Lanes": lanes})

@@ -1,16 +1,20 @@
-"""Cocotb side of the test of `slog_operands` feeding `slog_array`: whole windows."""
+"""`slog_operands` feeding `slog_array`, against their cycle models on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.array.timing import array_latency
-from golden.traffic.array import WindowTraffic
 from golden.cycle.array.operand_array import OperandArrayModel
+from golden.cycle.array.timing import array_latency
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import TINY
 from golden.structs import STEP
+from golden.traffic.array import WindowTraffic
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 
 def work(rng: random.Random, bubbles: str, rounds: int, passes: int) -> tuple[WindowTraffic, Stimulus]:
@@ -76,3 +80,10 @@ async def reset_in_mid_pass(dut) -> None:
     await check_cycles(dut, model(), with_resets(), watch)
     expected = sum(map(len, traffic.expected))
     assert resets == 2 and expected // 4 < scores < expected
+
+
+@pytest.mark.parametrize(("group_bits", "ring_rows", "words", "hold_idle"), [
+    (TINY.group_bits, TINY.ring_rows, TINY.words_per_row, 1), (16, 64, 4, 0)])
+def test_operand_array(group_bits: int, ring_rows: int, words: int, hold_idle: int) -> None:
+    simulate("tb_operand_array", __name__,
+             {"GroupBits": group_bits, "RingRows": ring_rows, "WordsPerRow": words, "HoldIdle": hold_idle})

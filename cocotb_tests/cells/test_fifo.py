@@ -1,13 +1,16 @@
-"""Cocotb side of the `slog_fifo` test."""
+"""`slog_fifo` against its cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
 from golden.cycle.cells.fifo import FifoModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 CLOCKS = 600
 
@@ -39,3 +42,8 @@ async def every_clock(dut, source: str, sink: str) -> None:
     model = FifoModel(params()["Depth"])
     await check_cycles(dut, model, traffic(rng, source, sink, params()["Width"]), count)
     assert popped > CLOCKS // 10
+
+
+@pytest.mark.parametrize(("width", "depth"), [(8, 4), (1, 1), (19, 7)])
+def test_fifo(width: int, depth: int) -> None:
+    simulate("slog_fifo", __name__, {"Width": width, "Depth": depth})

@@ -1,11 +1,14 @@
-"""Cocotb side of the `slog_mult` test."""
+"""`slog_mult`, and its twin on the ECP5 multiplier, against one cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from golden.cycle.cells.mult import BITS, MultModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from sim.testbench.runner import simulate
 
 CLOCKS = 2000
 EXTREMES = (0, 1, 1 << BITS - 1, (1 << BITS - 1) - 1, (1 << BITS) - 1)
@@ -39,3 +42,8 @@ async def every_clock(dut) -> None:
 
     await check_cycles(dut, MultModel(), traffic(rng), count, reset_clocks=0)
     assert len(seen) > CLOCKS // 4
+
+
+@pytest.mark.parametrize("ecp5", [False, True], ids=["generic", "ecp5"])
+def test_mult(ecp5: bool) -> None:
+    simulate("slog_mult", __name__, ecp5=ecp5)

@@ -1,12 +1,15 @@
-"""Cocotb side of the `slog_ram` test."""
+"""`slog_ram`, and its twin on ECP5 block RAMs, against one cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.cells.ram import RamModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from sim.testbench.runner import simulate
 
 CLOCKS = 1500
 
@@ -34,3 +37,17 @@ async def every_clock(dut) -> None:
 
     await check_cycles(dut, RamModel(), traffic(rng, params()["Width"], params()["Depth"]), count, reset_clocks=0)
     assert reads > CLOCKS // 4
+
+
+@pytest.mark.parametrize(("width", "depth"), [(8, 16), (65, 640)])
+def test_generic(width: int, depth: int) -> None:
+    simulate("slog_ram", __name__, {"Width": width, "Depth": depth})
+
+
+ASPECTS = [(37, 512), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)]
+"""Widths and depths, one for each aspect of the block."""
+
+
+@pytest.mark.parametrize(("width", "depth"), ASPECTS)
+def test_ecp5(width: int, depth: int) -> None:
+    simulate("slog_ram", __name__, {"Width": width, "Depth": depth}, ecp5=True)

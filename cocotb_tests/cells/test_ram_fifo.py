@@ -1,14 +1,17 @@
-"""Cocotb side of the `slog_ram_fifo` test."""
+"""`slog_ram_fifo` against its cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
-from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES
 from cocotb_tests.cells.test_fifo import traffic
+from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.params import params
 from golden.cycle.cells.ram_fifo import RamFifoModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.traffic.stalls import SHAPES
+from sim.testbench.runner import simulate
 
 
 @cocotb.test()
@@ -62,3 +65,8 @@ async def full_and_flowing(dut) -> None:
 
     await check_cycles(dut, RamFifoModel(depth), source())
     assert steady >= 40
+
+
+@pytest.mark.parametrize(("width", "depth"), [(8, 13), (20, 16)])
+def test_ram_fifo(width: int, depth: int) -> None:
+    simulate("slog_ram_fifo", __name__, {"Width": width, "Depth": depth})

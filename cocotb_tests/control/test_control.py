@@ -1,15 +1,17 @@
-"""Cocotb side of the `slog_control` test."""
+"""`slog_control` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
 from cocotb_tests.env.axil import AxilMaster
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
-from golden.traffic.stalls import SHAPES, willing
+from cocotb_tests.env.check import check_cycles
 from golden.cycle.control.control import ControlModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import CONFIGS
+from golden.traffic.stalls import SHAPES, willing
 from sim.registers.map import fields
+from sim.testbench.runner import AXI_PORTS, simulate
 
 CLOCKS = 6000
 
@@ -85,3 +87,7 @@ async def every_clock(dut, shape: str, overlap: int) -> None:
     await check_cycles(dut, ControlModel(config, fields()), traffic(rng, config.name, master), count)
     assert master.finished > 120
     assert all(seen.values()), [name for name, times in seen.items() if not times]
+
+
+def test_control() -> None:
+    simulate("slog_control", __name__, ports=AXI_PORTS)

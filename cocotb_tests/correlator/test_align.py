@@ -1,12 +1,15 @@
-"""Cocotb side of the `slog_align` test."""
+"""`slog_align` at full size against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.correlator.align import AlignModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import FULL
+from sim.testbench.runner import simulate
 
 ROWS = 250
 
@@ -73,3 +76,7 @@ async def reset_in_a_row(dut) -> None:
                    "in_shift_i": rng.randrange(width), "in_side_i": rng.getrandbits(8)}
 
     assert await check_cycles(dut, AlignModel(width), noise()) == 400
+
+
+def test_align() -> None:
+    simulate("slog_align", __name__, {"Width": FULL.group_bits, "SideW": 8})

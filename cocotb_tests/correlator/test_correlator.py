@@ -1,4 +1,4 @@
-"""Cocotb side of the `slog_correlator` test."""
+"""`slog_correlator`, the blocks wired together, against the joined cycle models on every clock and the frame level."""
 
 import random
 from dataclasses import replace
@@ -7,13 +7,13 @@ import cocotb
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
 from golden.correlate import Job
-from golden.traffic.correlator import CorrelatorTraffic
 from golden.cycle.correlator.correlator import CorrelatorModel
-from golden.traffic.jobs import mixed
 from golden.params import TINY
-from golden.tests.test_cycle_correlator import planes_of
+from golden.traffic.correlator import CorrelatorTraffic, planes_of
+from golden.traffic.jobs import mixed
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 
 def tiny_work(rng: random.Random, count: int, repeats: int = 1, **ends) -> CorrelatorTraffic:
@@ -63,3 +63,16 @@ async def utilisation(dut) -> None:
     share = work.scores / (work.last_score + 1)
     cocotb.log.info("%.3f of %d clocks score", share, work.last_score + 1)
     assert share >= 0.95
+
+
+SCORE_DEPTH = 2 * TINY.max_width
+"""Two rows of the image, so that the scores' queue grants at once; the tiny board's holds little more than one."""
+
+
+def test_correlator() -> None:
+    c = TINY
+    simulate("slog_correlator", __name__, {
+        "GroupBits": c.group_bits, "Pitch": c.pitch, "Lanes": c.lanes, "ScoreBits": c.score_bits,
+        "MaxWidth": c.max_width, "MaxHeight": c.max_height, "WordsPerRow": c.words_per_row, "Slots": c.slots,
+        "MinWindow": c.min_window, "MaxWindow": c.max_window, "RingRows": c.ring_rows, "SurfaceDepth": SCORE_DEPTH,
+        "ResultDepth": c.result_depth})

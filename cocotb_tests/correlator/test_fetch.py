@@ -1,18 +1,20 @@
-"""Cocotb side of the `slog_fetch` test."""
+"""`slog_fetch` against its cycle model on every clock; its parts are tested at full size by themselves."""
 
 import random
 from collections import Counter, deque
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
-from golden.traffic.stalls import SHAPES, willing
+from cocotb_tests.env.check import check_cycles
 from golden.correlate import Job, Status
 from golden.cycle.correlator.fetch import PAUSE, FetchModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY
-from golden.traffic.jobs import mixed
 from golden.params import TINY
 from golden.structs import TICKET, pack_job, unpack_job
+from golden.traffic.jobs import mixed
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 SIZE = (47, 35)
 VALID = [True, False, True, True, False, True, False, False]
@@ -156,3 +158,10 @@ async def full_ring(dut, words: int) -> None:
 
     await check_cycles(dut, FetchModel(TINY), script())
     assert written == [TINY.ring_rows + freed for freed in steps]
+
+
+def test_fetch() -> None:
+    c = TINY
+    simulate("slog_fetch", __name__,
+             {"Width": c.group_bits, "MaxHeight": c.max_height, "WordsPerRow": c.words_per_row, "Slots": c.slots,
+              "MinWindow": c.min_window, "MaxWindow": c.max_window, "RingRows": c.ring_rows})

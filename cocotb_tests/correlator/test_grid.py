@@ -1,13 +1,15 @@
-"""Cocotb side of the `slog_grid` test."""
+"""`slog_grid` against the frame-level grid on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
-from golden.traffic.stalls import SHAPES, willing
+from cocotb_tests.env.check import check_cycles
 from golden.cycle.correlator.grid import GridModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.structs import JOB, unpack_job
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 CLOCKS = 400
 
@@ -46,3 +48,7 @@ async def every_clock(dut, source: str, sink: str) -> None:
 
     await check_cycles(dut, GridModel(), commands(rng, source, sink), count)
     assert jobs > CLOCKS // 12 and edge > 0
+
+
+def test_grid() -> None:
+    simulate("slog_grid", __name__)

@@ -1,17 +1,19 @@
-"""Cocotb side of the `slog_job_check` test."""
+"""`slog_job_check` at full size against its cycle model on every clock."""
 
 import random
 from collections import Counter
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.correlate import Job, Status
 from golden.cycle.correlator.job_check import CHECK_LATENCY, JobCheckModel
-from golden.traffic.jobs import acceptable, mixed
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import FULL, TINY
 from golden.structs import JOB, pack_job
+from golden.traffic.jobs import acceptable, mixed
+from sim.testbench.runner import simulate
 
 VALID = [True, False, True, True, False, True, False, False]
 
@@ -52,3 +54,8 @@ async def every_clock(dut, resets: bool) -> None:
     await check_cycles(dut, JobCheckModel(config), asked(rng, jobs, size, resets), count)
     assert sum(seen.values()) == len(jobs) - (len(jobs) // 5 if resets else 0)
     assert all(seen[s] >= 5 for s in Status)
+
+
+def test_job_check() -> None:
+    simulate("slog_job_check", __name__,
+             {"MinWindow": FULL.min_window, "MaxWindow": FULL.max_window, "Slots": FULL.slots})

@@ -1,15 +1,17 @@
-"""Cocotb side of the `slog_job_plan` test."""
+"""`slog_job_plan` at full size against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.correlator.job_check import JobPlanModel, plan_latency
-from golden.traffic.jobs import KINDS, acceptable, mixed
+from golden.cycle.correlator.job_plan import JobPlanModel, plan_latency
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import FULL, TINY
 from golden.structs import pack_job
+from golden.traffic.jobs import KINDS, acceptable, mixed
+from sim.testbench.runner import simulate
 
 
 @cocotb.test()
@@ -36,3 +38,8 @@ async def every_clock(dut, resets: bool) -> None:
 
     await check_cycles(dut, JobPlanModel(config), asked(), count)
     assert known > len(jobs) // 2
+
+
+def test_job_plan() -> None:
+    simulate("slog_job_plan", __name__,
+             {"Width": FULL.group_bits, "MaxHeight": FULL.max_height, "WordsPerRow": FULL.words_per_row})

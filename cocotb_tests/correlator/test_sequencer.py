@@ -1,18 +1,20 @@
-"""Cocotb side of the `slog_sequencer` test."""
+"""`slog_sequencer`, its walker included, against its cycle model on every clock."""
 
 import random
 from collections import Counter, deque
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
-from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.array.timing import drain_clocks
+from cocotb_tests.env.check import check_cycles
 from golden.correlate import Job, Status, check
+from golden.cycle.array.timing import drain_clocks
 from golden.cycle.correlator.sequencer import SequencerModel
-from golden.traffic.jobs import mixed
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
 from golden.structs import STEP, TICKET, pack_job, unpack_job
+from golden.traffic.jobs import mixed
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 SIZE = (47, 35)
 VALID = [True] * 6 + [False] * 2
@@ -119,3 +121,9 @@ async def reset_in_work(dut, reset_at: int) -> None:
 
     await check_cycles(dut, model(), work(rng, jobs, dict.fromkeys(ENDS, "none"), reset_at), count)
     assert contexts >= 8
+
+
+def test_sequencer() -> None:
+    simulate("tb_sequencer", __name__,
+             {"GroupBits": TINY.group_bits, "Pitch": TINY.pitch, "RingRows": TINY.ring_rows,
+              "DrainClocks": drain_clocks(TINY.group_bits, TINY.lanes)})

@@ -1,14 +1,18 @@
-"""Cocotb side of the `slog_walker` test."""
+"""`slog_walker` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.correlator.sequencer import WalkerModel, counts
+from golden.cycle.array.timing import drain_clocks
+from golden.cycle.correlator.walker import WalkerModel, counts
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import TINY
 from golden.structs import ROW, STEP
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 
 def random_row(rng: random.Random, pitch: int, ring: int) -> int:
@@ -56,3 +60,9 @@ async def every_clock(dut, source: str) -> None:
     model = WalkerModel(p["Pitch"], p["RingRows"], p["DrainClocks"])
     await check_cycles(dut, model, rows(rng, source, p["Pitch"], p["RingRows"], 80, 300), count)
     assert steps > 400 and passes > 120 and drained > 50
+
+
+def test_walker() -> None:
+    simulate("tb_walker", __name__,
+             {"Pitch": TINY.pitch, "RingRows": TINY.ring_rows,
+              "DrainClocks": drain_clocks(TINY.group_bits, TINY.lanes)})

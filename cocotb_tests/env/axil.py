@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cocotb_tests.env.check import Inputs, Outputs
+from golden.cycle.model import Inputs, Outputs
 
 
 @dataclass

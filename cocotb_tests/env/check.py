@@ -7,45 +7,16 @@ RTL (`check_cycles`) or the model alone (`run_model`), so a stimulus can be debu
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Generator, Mapping
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
-Inputs = dict[str, int]
-Outputs = Mapping[str, Any]
-"""Values by port name; None where the model leaves them undefined."""
-Stimulus = Generator[Inputs, Outputs, None]
+from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus
+
 HISTORY = 8
-
-
-class CycleModel(Protocol):
-    """`step` returns the outputs of a clock from state and inputs, then takes the clock edge. None = undefined."""
-
-    @property
-    def INPUTS(self) -> tuple[str, ...]: ...
-
-    @property
-    def OUTPUTS(self) -> tuple[str, ...]: ...
-
-    def step(self, i: Inputs) -> dict[str, int | None]: ...
-
-
-def run_model(model: CycleModel, stimulus: Stimulus, observe: Callable[[Inputs, Outputs], None] | None = None) -> int:
-    """Run `stimulus` against `model` alone; returns the number of clocks."""
-    clocks = 0
-    try:
-        i = next(stimulus)
-        while True:
-            out = model.step(i)
-            clocks += 1
-            if observe:
-                observe(i, out)
-            i = stimulus.send(out)
-    except StopIteration:
-        return clocks
 
 
 async def check_cycles(

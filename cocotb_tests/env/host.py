@@ -11,12 +11,12 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import astuple
 
 from cocotb_tests.env.axil import AxilMaster
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus
-from golden.traffic.stalls import willing
-from golden.traffic.video import Beat
 from golden.correlate import Job, Neighbours, Result, Status
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import Image, kernels
 from golden.params import Config
+from golden.traffic.stalls import willing
+from golden.traffic.video import Beat
 from sim.registers.map import address, fields, word
 
 Script = Generator[None, None, None]

@@ -1,13 +1,16 @@
-"""Cocotb side of the `slog_fir` test."""
+"""`slog_fir` against its cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
+from golden.cycle.frontend.fir import FirModel, levels
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.frontend.log import FirModel, levels
+from sim.testbench.runner import simulate
 
 
 def windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
@@ -39,3 +42,12 @@ async def every_clock(dut, shape: str) -> None:
     model = FirModel(p["Radius"], p["DataW"], p["Kernels"], p["SumW"], p["Bias"])
     await check_cycles(dut, model, windows(random.Random(cocotb.RANDOM_SEED), shape, p), count)
     assert len(values) > 100
+
+
+@pytest.mark.parametrize("shape", [
+    {"Radius": 8, "DataW": 8, "Kernels": 2, "SumW": 24, "Bias": 64},
+    {"Radius": 8, "DataW": 32, "Kernels": 1, "SumW": 36, "Bias": -1},
+    {"Radius": 3, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": 5},
+], ids=["column", "row", "small"])
+def test_fir(shape: dict[str, int]) -> None:
+    simulate("slog_fir", __name__, shape)

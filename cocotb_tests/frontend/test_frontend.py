@@ -1,17 +1,21 @@
-"""Cocotb side of the `slog_frontend` test: every clock against the cycle model, every plane against the frame level."""
+"""`slog_frontend` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 import numpy as np
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
+from golden.cycle.bits import pack
+from golden.cycle.frontend.fir import levels
+from golden.cycle.frontend.frontend import FrontendModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.log import binarise, kernels
+from golden.params import TINY
 from golden.traffic.stalls import SHAPES, willing
 from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
-from golden.cycle.frontend.frontend import FrontendModel
-from golden.cycle.frontend.log import levels, pack
-from golden.log import binarise, kernels
+from sim.testbench.runner import simulate
 
 
 def settings(width: int, height: int, sigma: float) -> Inputs:
@@ -128,3 +132,8 @@ async def reset_in_mid_frame(dut) -> None:
 
     await check_cycles(dut, model(), stimulus(), seen.observe)
     compare(seen, last, sigma)
+
+
+def test_frontend() -> None:
+    simulate("slog_frontend", __name__,
+             {"MaxWidth": TINY.max_width, "Radius": TINY.radius, "GroupBits": TINY.group_bits})

@@ -1,12 +1,15 @@
-"""Cocotb side of the `slog_line_buffer` test."""
+"""`slog_line_buffer` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.frontend.log import LineBufferModel
+from golden.cycle.frontend.line_buffer import LineBufferModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import TINY
+from sim.testbench.runner import simulate
 
 
 def lines(rng: random.Random, width: int, radius: int, count: int) -> Stimulus:
@@ -38,3 +41,7 @@ async def every_clock(dut, width: int) -> None:
     model = LineBufferModel(p["MaxWidth"], p["Radius"])
     await check_cycles(dut, model, lines(rng, width, p["Radius"], 70), count)
     assert full > 40 * width
+
+
+def test_line_buffer() -> None:
+    simulate("slog_line_buffer", __name__, {"MaxWidth": TINY.max_width, "Radius": TINY.radius})

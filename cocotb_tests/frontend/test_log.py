@@ -1,17 +1,21 @@
-"""Cocotb side of the `slog_log` test: fed with what the model of `slog_video_in` makes of good and bad video."""
+"""`slog_log` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 import numpy as np
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles, run_model
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
+from golden.cycle.bits import pack
+from golden.cycle.frontend.log import LogModel
+from golden.cycle.frontend.video_in import VideoInModel
+from golden.cycle.model import Inputs, Outputs, Stimulus, run_model
+from golden.log import kernels
+from golden.params import TINY
 from golden.traffic.stalls import willing
 from golden.traffic.video import bad, good, play, texture
-from golden.cycle.frontend.frontend import VideoInModel
-from golden.cycle.frontend.log import LogModel, pack
-from golden.log import kernels
+from sim.testbench.runner import simulate
 
 
 def recorded(rng: random.Random, radius: int, width: int, height: int, shape: str) -> list[Inputs]:
@@ -51,3 +55,7 @@ async def every_clock(dut, size: tuple[int, int], sigma: float | None) -> None:
 
     await check_cycles(dut, LogModel(p["MaxWidth"], p["Radius"]), stimulus(), count)
     assert min(bits) > size[0] * size[1]
+
+
+def test_log() -> None:
+    simulate("slog_log", __name__, {"MaxWidth": TINY.max_width, "Radius": TINY.radius})

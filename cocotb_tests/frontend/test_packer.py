@@ -1,13 +1,16 @@
-"""Cocotb side of the `slog_packer` test."""
+"""`slog_packer` against its cycle model on every clock."""
 
 import random
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
+from golden.cycle.frontend.packer import PackerModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.frontend.frontend import PackerModel
+from sim.testbench.runner import simulate
 
 
 def rows(rng: random.Random, shape: str, group: int) -> Stimulus:
@@ -42,3 +45,8 @@ async def every_clock(dut, shape: str) -> None:
 
     await check_cycles(dut, PackerModel(group), rows(random.Random(cocotb.RANDOM_SEED), shape, group), count)
     assert words > 60
+
+
+@pytest.mark.parametrize("group_bits", [4, 8])
+def test_packer(group_bits: int) -> None:
+    simulate("slog_packer", __name__, {"GroupBits": group_bits})

@@ -1,12 +1,15 @@
-"""Cocotb side of the `slog_taps` test."""
+"""`slog_taps` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.frontend.log import TapsModel
+from golden.cycle.frontend.taps import TapsModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import TINY
+from sim.testbench.runner import simulate
 
 
 def lines(rng: random.Random, radius: int, width: int) -> Stimulus:
@@ -37,3 +40,7 @@ async def every_clock(dut) -> None:
 
     await check_cycles(dut, TapsModel(radius), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
     assert valid > 50 * (2 * radius + 2)
+
+
+def test_taps() -> None:
+    simulate("slog_taps", __name__, {"Radius": TINY.radius, "DataW": 18})

@@ -1,14 +1,17 @@
-"""Cocotb side of the `slog_video_in` test."""
+"""`slog_video_in` against its cycle model on every clock."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
+from golden.cycle.frontend.video_in import VideoInModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import TINY
 from golden.traffic.stalls import SHAPES, willing
 from golden.traffic.video import BAD_KINDS, bad, good, play, stray, texture
-from golden.cycle.frontend.frontend import VideoInModel
+from sim.testbench.runner import simulate
 
 WIDTH, HEIGHT = 19, 18
 
@@ -89,3 +92,7 @@ async def latency(dut) -> None:
                        play(items, {"width_i": WIDTH, "height_i": HEIGHT}, willing("none", rng), rng), watch)
     assert len(last_in) == HEIGHT
     assert [b - a for a, b in zip(last_in, first_out, strict=True)] == [VideoInModel.LATENCY] * HEIGHT
+
+
+def test_video_in() -> None:
+    simulate("slog_video_in", __name__, {"MaxWidth": TINY.max_width, "Radius": TINY.radius})

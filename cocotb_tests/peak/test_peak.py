@@ -1,14 +1,16 @@
-"""Cocotb side of the `slog_peak` test."""
+"""`slog_peak` against its cycle model on every clock, and against the frame-level peak search."""
 
 import random
 
 import cocotb
+import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
 from golden.cycle.peak.peak import PeakModel
 from golden.traffic.peak import PeakTask, PeakTraffic, random_task, refused_task
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 
 def model() -> PeakModel:
@@ -86,3 +88,13 @@ async def reset_in_mid_work(dut) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 5)
     for reset_at in (61, 148, 233):
         await run(dut, PeakTraffic(mixed_tasks(rng, 12, 20), rng, reset_at=reset_at, results=willing("random", rng)))
+
+
+@pytest.mark.parametrize(("max_offsets", "score_bits", "score_depth", "result_depth", "testcase"), [
+    (48, 9, 128, 4, None),
+    (640, 15, 1024, 64, "results_stalled.*long"),
+])
+def test_peak(max_offsets: int, score_bits: int, score_depth: int, result_depth: int, testcase: str | None) -> None:
+    simulate("slog_peak", __name__,
+             {"MaxOffsets": max_offsets, "ScoreBits": score_bits, "ScoreDepth": score_depth,
+              "ResultDepth": result_depth}, testcase=testcase)

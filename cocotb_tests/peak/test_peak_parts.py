@@ -1,31 +1,27 @@
-"""Cocotb side of the tests of slog_peak's parts: all of them side by side, each with traffic of its own."""
+"""The parts of `slog_peak`, each against its cycle model on every clock."""
 
 import random
 from collections import Counter
 
 import cocotb
 
-from cocotb_tests.env.check import CycleModel, Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
 from golden.correlate import Status
-from golden.cycle.peak.structs import (
-    OUTCOME,
-    PRESENT,
-    ROW,
-    SCAN,
-    SCORING,
-    BestModel,
-    CollectModel,
-    IntakeModel,
-    RoomModel,
-    RowsModel,
-    ScanModel,
-)
-from golden.cycle.peak.running_max import RunningMaxModel
 from golden.cycle.cells.stage import StageModel
+from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus
+from golden.cycle.peak.best import BestModel
+from golden.cycle.peak.collect import CollectModel
+from golden.cycle.peak.intake import IntakeModel
+from golden.cycle.peak.room import RoomModel
+from golden.cycle.peak.rows import RowsModel
+from golden.cycle.peak.running_max import RunningMaxModel
+from golden.cycle.peak.scan import ScanModel
+from golden.cycle.peak.structs import OUTCOME, PRESENT, ROW, SCAN, SCORING
 from golden.params import SCORE_BITS
 from golden.structs import CONTEXT, Layout
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 CLOCKS = 600
 BANKS = 4
@@ -224,3 +220,7 @@ async def every_clock(dut, shape: str) -> None:
                        collect=CollectModel())
     await check_cycles(dut, model, together(rng, shape), count)
     assert all(seen[n] >= 10 for n in COUNTED), seen
+
+
+def test_peak_parts() -> None:
+    simulate("tb_peak_parts", __name__, {"MaxOffsets": 48, "ScoreBits": 9, "ScoreDepth": 128})

@@ -1,4 +1,4 @@
-"""Cocotb side of the `slog_capture` test."""
+"""`slog_capture` against its cycle model on every clock."""
 
 import itertools
 import random
@@ -7,10 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import cocotb
+import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.store.capture import HOPS, CaptureModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.cycle.store.capture import CaptureModel
+from golden.cycle.store.capture_channel import HOPS
+from sim.testbench.runner import simulate
 
 CLOCKS = 3000
 
@@ -179,3 +183,9 @@ async def latency(dut) -> None:
     assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [5 + HOPS] * p["SlotWords"]
     assert [(a, d) for _, a, d in writes] == [(p["SlotWords"] + k, k) for k in range(p["SlotWords"])]
     assert marks["valid"] - marks["done"] == 5 + HOPS
+
+
+@pytest.mark.parametrize("cameras", [2, 1])
+def test_capture(cameras: int) -> None:
+    simulate("slog_capture", __name__,
+             {"Cameras": cameras, "GroupBits": 8, "Slots": 6, "SlotWords": 12, "WordsPerRow": 3})

@@ -1,13 +1,15 @@
-"""Cocotb side of the `slog_store` test."""
+"""`slog_store` against its cycle model on every clock: three banks, two slices."""
 
 import random
 
 import cocotb
 
-from cocotb_tests.env.check import Inputs, Outputs, Stimulus, check_cycles
+from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.traffic.stalls import SHAPES, willing
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY, StoreModel
+from golden.traffic.stalls import SHAPES, willing
+from sim.testbench.runner import simulate
 
 CLOCKS = 1500
 
@@ -90,3 +92,7 @@ async def latency(dut) -> None:
     await check_cycles(dut, StoreModel(p["Words"]), script(), note)
     assert seen == [(2 + STORE_LATENCY, "read", 0xA5), (5 + 2 * STORE_LATENCY, "peek", 0x3C),
                     (11 + 3 * STORE_LATENCY, "peek", 0xA5)]
+
+
+def test_store() -> None:
+    simulate("slog_store", __name__, {"Width": 8, "Words": 1296, "BankWords": 512, "SliceW": 4})

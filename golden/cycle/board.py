@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 
-from golden.cycle.store.capture import CaptureModel
-from golden.cycle.control.control import ControlModel
-from golden.cycle.correlator.correlator import CorrelatorModel
-from golden.cycle.control.csr import CsrModel, FieldPlace
-from golden.cycle.frontend.frontend import FrontendModel
-from golden.cycle.correlator.grid import GridModel
 from golden.cycle.cells.ram_fifo import RamFifoModel
+from golden.cycle.control.control import ControlModel
+from golden.cycle.control.csr import CsrModel, FieldPlace
+from golden.cycle.correlator.correlator import CorrelatorModel
+from golden.cycle.correlator.grid import GridModel
+from golden.cycle.frontend.frontend import FrontendModel
+from golden.cycle.store.capture import CaptureModel
 from golden.cycle.store.store import StoreModel
 from golden.params import PIXEL_BITS, Config
 

@@ -6,12 +6,12 @@ import random
 
 import pytest
 
-from cocotb_tests.env.check import Inputs, Outputs, run_model
-from golden.traffic.stalls import SHAPES, willing
-from golden.cycle.array.timing import array_latency
-from golden.traffic.array import WindowTraffic
 from golden.cycle.array.operand_array import OperandArrayModel
+from golden.cycle.array.timing import array_latency
+from golden.cycle.model import Inputs, Outputs, run_model
 from golden.structs import STEP
+from golden.traffic.array import WindowTraffic
+from golden.traffic.stalls import SHAPES, willing
 
 
 @pytest.mark.parametrize("bubbles", SHAPES)

@@ -5,23 +5,13 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from golden.correlate import Job, Plane
-from golden.traffic.correlator import CorrelatorTraffic
+from golden.correlate import Job
 from golden.cycle.correlator.correlator import CorrelatorModel
+from golden.params import FULL, TINY
+from golden.traffic.correlator import CorrelatorTraffic, planes_of
 from golden.traffic.jobs import mixed
-from golden.params import FULL, TINY, Config
-
-
-def planes_of(config: Config, slots: tuple[int, ...], seed: int, repeats: int = 1) -> dict[int, Plane]:
-    """Random planes; with `repeats` > 1 they repeat themselves, which makes equal scores."""
-    rng = np.random.default_rng(seed)
-    shape = (config.max_height, config.max_width)
-    tile = tuple(-(-n // repeats) for n in shape)
-    return {s: np.tile(rng.integers(0, 2, tile, dtype=np.uint8), (repeats, repeats))[:shape[0], :shape[1]]
-            for s in slots}
 
 
 def drive(model: CorrelatorModel, traffic: CorrelatorTraffic) -> None:

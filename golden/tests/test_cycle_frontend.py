@@ -7,13 +7,13 @@ import random
 import numpy as np
 import pytest
 
-from cocotb_tests.env.check import run_model
-from golden.traffic.stalls import SHAPES, willing
-from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
+from golden.cycle.bits import pack
 from golden.cycle.frontend.frontend import FrontendModel
-from golden.cycle.frontend.log import pack
+from golden.cycle.model import run_model
 from golden.log import binarise, kernels
 from golden.params import TINY
+from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
 
 R = TINY.radius
 

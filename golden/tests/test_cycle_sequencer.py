@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from golden.correlate import Job, Plane, Status, check
-from golden.traffic.loop import Front
-from golden.traffic.jobs import KINDS, acceptable, mixed, refused
 from golden.params import FULL, TINY, Config
 from golden.structs import JOB, pack_job, unpack_job
+from golden.traffic.jobs import KINDS, acceptable, mixed, refused
+from golden.traffic.loop import Front
 
 
 def planes_of(config: Config, size: tuple[int, int], slots: list[int], seed: int) -> dict[int, Plane]:

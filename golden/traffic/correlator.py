@@ -9,11 +9,13 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import repeat
 
+import numpy as np
+
 from golden.correlate import Job, Plane, Result, Status, run, surface
 from golden.cycle.store.store import StoreModel
-from golden.traffic.loop import store_words
 from golden.params import Config
 from golden.structs import RESULT, pack_job
+from golden.traffic.loop import store_words
 
 
 def packed_result(result: Result) -> int:
@@ -102,3 +104,13 @@ class CorrelatorTraffic:
                 scores = surface(self.planes[job.tpl_slot], self.planes[job.search_slot], job).ravel().tolist()
                 stream += [(s, int(k == 0), int(k == len(scores) - 1)) for k, s in enumerate(scores)]
         assert self.stream == stream
+
+
+
+def planes_of(config: Config, slots: tuple[int, ...], seed: int, repeats: int = 1) -> dict[int, Plane]:
+    """Random planes; with `repeats` > 1 they repeat themselves, which makes equal scores."""
+    rng = np.random.default_rng(seed)
+    shape = (config.max_height, config.max_width)
+    tile = tuple(-(-n // repeats) for n in shape)
+    return {s: np.tile(rng.integers(0, 2, tile, dtype=np.uint8), (repeats, repeats))[:shape[0], :shape[1]]
+            for s in slots}

@@ -7,14 +7,14 @@ from itertools import repeat
 
 import numpy as np
 
-from golden.cycle.array.timing import drain_clocks
 from golden.correlate import Job, Plane
+from golden.cycle.array.timing import drain_clocks
 from golden.cycle.correlator.fetch import FetchModel
 from golden.cycle.correlator.sequencer import SequencerModel
 from golden.cycle.store.store import StoreModel
 from golden.params import Config
-from golden.traffic.replay import Replay
 from golden.structs import CONTEXT, STEP, pack_job
+from golden.traffic.replay import Replay
 
 
 def store_words(plane: Plane, config: Config) -> list[int]:

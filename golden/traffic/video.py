@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cocotb_tests.env.check import Inputs, Outputs
+from golden.cycle.model import Inputs, Outputs
 from golden.log import Image
 
 Beat = tuple[int, int, int]

@@ -1,4 +1,4 @@
-"""Builds the Verilated board as a shared library: `python -m sim.build [--config full|tiny] [--trace]`.
+"""Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace]`.
 
 The library lies under `build/verilated/<config>[-trace]/` with the digest of everything it was made from; a current
 build returns at once.
@@ -16,12 +16,21 @@ import sys
 from pathlib import Path
 
 from golden.params import CONFIGS
-from sim.toolchain import BUILD, ROOT, RTL, rtl_sources, verilator_env, verilator_root
+from sim.toolchain import (
+    BUILD,
+    ROOT,
+    RTL,
+    TOP,
+    WAIVERS,
+    headers,
+    rtl_sources,
+    verilator_env,
+    verilator_root,
+    wave_format,
+)
 
-TOP = "slog_board"
-HARNESS = ROOT / "sim" / "harness" / "board.cpp"
-HEADER = ROOT / "sim" / "gen" / "slog_csr.h"
-WAIVERS = ROOT / "sim" / "verilator" / "waive.vlt"
+HARNESS = Path(__file__).with_name("api.cpp")
+HEADER = ROOT / "sim" / "registers" / "gen" / "slog_csr.h"
 VERILATOR_FLAGS = ["-Wall", "-O3", "--unroll-count", "2048", "--no-timing",
                    "--x-assign", "fast", "--x-initial", "fast",
                    # Assertions are for the cocotb builds, here they would cost time; some signals feed nothing else.
@@ -35,14 +44,9 @@ class BuildError(RuntimeError):
     """The board could not be built; the message holds the end of the log."""
 
 
-def _wave_format() -> str:
-    """FST where its libraries' headers are there, else VCD."""
-    return "fst" if Path("/usr/include/lz4.h").exists() and Path("/usr/include/zlib.h").exists() else "vcd"
-
-
 def _digest(sources: list[Path], flags: list[str]) -> str:
     h = hashlib.sha256(" ".join([*flags, FAST, *CXX_FLAGS, _processor()]).encode())
-    for path in [*sources, *sorted(RTL.glob("*.svh")), HARNESS, HEADER, WAIVERS]:
+    for path in [*sources, *headers(), HARNESS, HEADER, WAIVERS]:
         h.update(path.name.encode() + path.read_bytes())
     return h.hexdigest()
 
@@ -77,7 +81,7 @@ def build(config: str = "full", trace: bool = False) -> Path:
     """
     CONFIGS[config]
     sources = rtl_sources(config)
-    flags = [*VERILATOR_FLAGS, *([f"--trace-{_wave_format()}", "--trace-structs"] if trace else [])]
+    flags = [*VERILATOR_FLAGS, *([f"--trace-{wave_format()}", "--trace-structs"] if trace else [])]
     folder = BUILD / "verilated" / (config + ("-trace" if trace else ""))
     library, stamp, log = folder / "libslog_board.so", folder / "digest", folder / "build.log"
     digest = _digest(sources, flags)
@@ -96,11 +100,11 @@ def build(config: str = "full", trace: bool = False) -> Path:
         _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"V{TOP}.mk", f"libV{TOP}", f"OPT_FAST={FAST}", "OPT_SLOW=-O0",
               f"OPT_GLOBAL={FAST}"], folder, log)
         include = verilator_root() / "include"
-        defines = [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(trace and _wave_format() == 'fst')}"]
+        defines = [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(trace and wave_format() == 'fst')}"]
         fresh = folder / "libslog_board.new"
         _run(["g++", FAST, *CXX_FLAGS, *defines, "-shared", f"-I{folder}", f"-I{include}", f"-I{include / 'vltstd'}",
               f"-I{HEADER.parent}", str(HARNESS), f"libV{TOP}.a", "libverilated.a", "-o", str(fresh), "-pthread",
-              *(["-lz", "-llz4"] if trace and _wave_format() == "fst" else [])], folder, log)
+              *(["-lz", "-llz4"] if trace and wave_format() == "fst" else [])], folder, log)
         fresh.rename(library)
         stamp.write_text(digest)
     return library
@@ -118,7 +122,3 @@ def main() -> int:
         print(error, file=sys.stderr)
         return 1
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

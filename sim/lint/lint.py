@@ -10,12 +10,10 @@ import sys
 from pathlib import Path
 
 from golden.params import CONFIGS
-from sim.testbench.runner import WAIVERS
-from sim.toolchain import ROOT, RTL, ecp5_sources, rtl_sources, verilator_env
+from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, WAIVERS, ecp5_sources, rtl_sources, verilator_env
 
-RULES = ROOT / "sim" / "verible.rules"
-WAIVED = ROOT / "sim" / "verible.waive"
-TOP = "slog_board"
+RULES = Path(__file__).with_name("verible.rules")
+WAIVED = Path(__file__).with_name("verible.waive")
 
 
 def _complaints(command: list[str]) -> str:
@@ -47,12 +45,10 @@ def main() -> int:
             found.append(verilator(path.stem, rtl_sources("full")))
     for top in ("slog_ram", "slog_mult"):
         found.append(verilator(top, ecp5_sources("full")))
-    written = [path for folder in (RTL, RTL / "ecp5", ROOT / "sim" / "tb") for path in sorted(folder.glob("*.sv"))]
+    generated = RTL / "gen"
+    written = [path for folder in (RTL, TESTBENCHES) for path in sorted(folder.rglob("*.sv"))
+               if generated not in path.parents]
     found.append(verible(written))
     complaints = [text for text in found if text]
     print("\n".join(complaints) or f"RTL lint: {len(written)} files clean")
     return bool(complaints)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -1,7 +1,7 @@
-"""Generates everything that knows register addresses from `rtl/slog_csr.rdl`.
+"""Generates everything that knows register addresses from `rtl/control/slog_csr.rdl`.
 
-`python -m sim.regs` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/gen`), and the HTML page
-(`out/regs`, not committed); `--check` writes nothing and fails when a committed file is stale.
+`python -m sim.registers` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/registers/gen`),
+and the HTML page (`out/regs`, not committed); `--check` writes nothing and fails when a committed file is stale.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ from pathlib import Path
 from sim.registers.retime import retimed
 from sim.toolchain import ROOT, RTL
 
-SOURCE = RTL / "slog_csr.rdl"
+SOURCE = RTL / "control" / "slog_csr.rdl"
+GENERATED = Path(__file__).with_name("gen")
 PAGE = ROOT / "out" / "regs"
 TARGETS = {
     "slog_csr.sv": RTL / "gen",
     "slog_csr_pkg.sv": RTL / "gen",
-    "slog_csr.h": ROOT / "sim" / "gen",
-    "slog_csr.py": ROOT / "sim" / "gen",
-    "slog_csr_stubs.pyi": ROOT / "sim" / "gen",
-    "slog_csr.db": ROOT / "sim" / "gen",
+    "slog_csr.h": GENERATED,
+    "slog_csr.py": GENERATED,
+    "slog_csr_stubs.pyi": GENERATED,
+    "slog_csr.db": GENERATED,
 }
 """Committed outputs and their folders."""
 
@@ -72,7 +73,3 @@ def main(argv: list[str]) -> int:
     shutil.rmtree(PAGE, ignore_errors=True)
     _peakrdl("html", SOURCE, "-o", PAGE)
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

@@ -20,10 +20,10 @@ import numpy as np
 from golden.correlate import run as golden_run
 from golden.log import kernels, sign
 from golden.params import CONFIGS, Config
-from sim.speed import workload
-from sim.testbench.runner import simulate
-from sim.toolchain import ROOT, rtl_sources
 from sim.board.device import Device
+from sim.speed import workload
+from sim.testbench.runner import AXI_PORTS, simulate
+from sim.toolchain import ROOT
 
 OUT = ROOT / "out" / "bench.json"
 REPORT = ROOT / "out" / "synth" / "report.json"
@@ -55,7 +55,7 @@ def clock_rates(config: Config) -> dict[str, Any]:
     out = OUT.parent / "bench-cocotb.json"
     out.parent.mkdir(parents=True, exist_ok=True)
     out.unlink(missing_ok=True)
-    simulate("slog_board", rtl_sources(config.name), "cocotb_tests.bench_board", ports=("*_i", "*_o", "s_axil_*"),
+    simulate("slog_board", "cocotb_tests.bench_board", config=config.name, ports=AXI_PORTS,
              env={"SLOG_BENCH_CONFIG": config.name, "SLOG_BENCH_OUT": str(out)})
     slow = json.loads(out.read_text())
     out.unlink()
@@ -153,7 +153,3 @@ def main(argv: Sequence[str] | None = None) -> int:
     args.out.write_text(json.dumps(figures, indent=2) + "\n")
     print(args.out)
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -4,10 +4,10 @@
     fmax_mhz    median over the seeds of the routed clock, but no more than the block RAM allows
     routed_mhz  routed clock of each seed
     lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
-Block RAMs and multipliers of the board get their sites from `sim.floorplan`.
+Block RAMs and multipliers of the board get their sites from `sim.synth.floorplan`.
 `--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced. `--paths NS` does not place and
-route: it prints the paths that an estimate (`sim.paths`) finds to be longer. `--placed NS` places with the first seed
-and does the same with the cells' places. `--floorplan STARTS` searches for sites and keeps the best.
+route: it prints the paths that an estimate (`sim.synth.paths`) finds to be longer. `--placed NS` places with the first
+seed and does the same with the cells' places. `--floorplan STARTS` searches for sites and keeps the best.
 """
 
 from __future__ import annotations
@@ -29,11 +29,10 @@ from golden.params import CONFIGS
 from sim.synth.fabric import move_in
 from sim.synth.floorplan import constrain, keep
 from sim.synth.paths import load, ranking
-from sim.toolchain import ROOT, RTL, ecp5_sources
+from sim.toolchain import ROOT, RTL, TOP, ecp5_sources
 
 OUT = ROOT / "out" / "synth"
-FLOORPLANS = ROOT / "sim" / "floorplans"
-TOP = "slog_board"
+FLOORPLANS = Path(__file__).with_name("floorplans")
 DEVICE = "LFE5U-85F-6"
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGETS_MHZ = (152, 150.5, 140, 125)
@@ -269,7 +268,3 @@ def main() -> int:
     print(f"{args.top}: {result['fmax_mhz']} MHz, " + ", ".join(f"{result[name]} {name}" for name in AVAILABLE)
           + f"; {folder / 'report.json'}")
     return int(any(result[name] > limit for name, limit in AVAILABLE.items()))
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -16,10 +16,11 @@ from cocotb_tools.check_results import get_results
 from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.runner import Verilator
 
-from sim.toolchain import BUILD, ROOT, RTL, verilator_env
+from sim.toolchain import BUILD, ROOT, RTL, WAIVERS, headers, sources_of, verilator_env, wave_format
 
-WAIVERS = ROOT / "sim" / "verilator" / "waive.vlt"
-START = ROOT / "sim" / "host" / "start.cpp"
+START = Path(__file__).with_name("start.cpp")
+AXI_PORTS = "*_i", "*_o", "s_axil_*"
+"""Port names of a module with an AXI4-Lite interface."""
 CXX_FLAGS = "-O1 -fPIC -Dmain=slog_simulator_main"
 LIBRARY = BUILD / "cocotb" / f"library-{hashlib.sha256(CXX_FLAGS.encode()).hexdigest()[:8]}"
 """The simulator's own object files, which are the same for every module."""
@@ -30,7 +31,7 @@ class LeanVerilator(Verilator):
 
     It leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the
     top module are made visible (by a generated control file), and a test bench reads ports only. And the simulator is
-    a library that runs inside the Python executable, so no libpython is needed (see sim/host/start.cpp).
+    a library that runs inside the Python executable, so no libpython is needed (see start.cpp).
     """
 
     def _set_env_common(self) -> None:
@@ -49,32 +50,36 @@ class LeanVerilator(Verilator):
 
 def _digest(sources: Sequence[Path], parameters: Mapping[str, int], flags: Sequence[str]) -> str:
     h = hashlib.sha256(json.dumps([dict(parameters), list(flags)], sort_keys=True).encode())
-    for path in [*sources, *sorted(RTL.glob("*.svh")), START]:
+    for path in [*sources, *headers(), START]:
         h.update(path.name.encode() + path.read_bytes())
     return h.hexdigest()[:16]
 
 
 def simulate(
     top: str,
-    sources: Sequence[str | Path],
     test_module: str,
     parameters: Mapping[str, int] | None = None,
     env: Mapping[str, str] | None = None,
     testcase: str | None = None,
     defines: Mapping[str, str] | None = None,
     ports: Sequence[str] = ("*_i", "*_o"),
+    config: str = "tiny",
+    ecp5: bool = False,
+    replaced: Mapping[str, Path] | None = None,
 ) -> Path:
-    """Build `top` and run every cocotb test of `test_module` on it.
+    """Build `top` from `rtl/files.f` and run every cocotb test of `test_module` on it.
 
     Args:
         top: module to simulate; its ports are the only signals a test can see.
-        sources: SystemVerilog files, relative to the project's root or absolute, packages first.
         test_module: dotted Python module with `@cocotb.test` coroutines.
         parameters: module parameters; the coroutines get them from `cocotb_tests.env.params`.
         env: further environment for the test process.
         testcase: regular expression of the tests to run; all when None.
         defines: preprocessor macros for the RTL.
         ports: name patterns of the top module's ports.
+        config: configuration whose package the sources take.
+        ecp5: build the twins for the ECP5, on models of its primitives.
+        replaced: files that stand in for modules, by module name.
 
     Returns:
         The build folder (waves are left there with `WAVES=1`).
@@ -84,13 +89,13 @@ def simulate(
     """
     waves = os.environ.get("WAVES") == "1"
     seed = int(os.environ.get("SEED", "1"))
-    files = [p if (p := Path(s)).is_absolute() else ROOT / p for s in sources]
+    files = [(replaced or {}).get(path.stem, path) for path in sources_of(top, config, ecp5)]
     params = dict(parameters or {})
     build_args = ["-Wall", "--assert", "--timing", "--x-assign", "unique", "--x-initial", "unique",
                   "--unroll-count", "2048", "-CFLAGS", CXX_FLAGS, "-LDFLAGS", "-shared",
                   f"-I{RTL}", str(START)]
     if waves:
-        build_args += ["--trace-fst" if _has_fst() else "--trace-vcd", "--trace-structs"]
+        build_args += [f"--trace-{wave_format()}", "--trace-structs"]
     macros = dict(defines or {})
     build_dir = BUILD / "cocotb" / f"{top}-{_digest(files, params, [*build_args, *ports, json.dumps(macros)])}"
     build_dir.mkdir(parents=True, exist_ok=True)
@@ -153,7 +158,3 @@ def _keep_library(build_dir: Path) -> None:
             part = LIBRARY / f".{made.name}.{os.getpid()}"
             shutil.copy(made, part)
             part.rename(LIBRARY / made.name)
-
-
-def _has_fst() -> bool:
-    return Path("/usr/include/lz4.h").exists() and Path("/usr/include/zlib.h").exists()

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Mapping
 
 from golden.cycle.control.csr import CsrModel, FieldPlace
-from golden.params import COEF_BITS, COEF_FRACTION, Config
+from golden.cycle.control.filter_bank import FilterBankModel
+from golden.cycle.control.peek import PeekModel
+from golden.params import COEF_FRACTION, Config
 from golden.structs import JOB, RESULT
 
-SETTLE = 12
 STORED = {
     "image_size.width": 0, "image_size.height": 0, "coef.value": 0, "coef.second": 0, "coef.index": 0,
     "capture.slot": 0, "capture.camera": 0, "capture.cancel": 0, "job.tpl.x": 0, "job.tpl.y": 0, "job.tpl.slot": 0,
@@ -21,142 +21,6 @@ STORED = {
 OVERFLOW = 5
 """Its place among the counters."""
 EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
-
-
-class FilterBankModel:
-    """`slog_filter_bank`: coefficients as lists, centre first; the active ones are undefined until shifted in."""
-
-    def __init__(self, config: Config) -> None:
-        self.config = config
-        self.active: dict[int, list[int | None]] = {kernel: [None] * config.coefs for kernel in (0, 1)}
-        self.load: int | None = None  # clocks since the shifting was ordered
-        self.reset()
-
-    def reset(self) -> None:
-        """State after reset: zeros are being shifted in; a shift in the clock of the reset still takes place."""
-        self._shift()
-        zeros = [0] * self.config.coefs
-        self.staged = {0: list(zeros), 1: list(zeros)}
-        self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
-        self.camera = False  # one was active in the clock before
-        # Coefficients on their way to be staged: kernel, index, value.
-        self.coming: deque[tuple[int, int, int] | None] = deque([None] * 5, 5)
-        self.hold = [1] * self.config.cameras
-        self.taking: tuple[int, int] | None = None  # size to be put in use
-        self.load = 1
-        self.clearing = True
-        self.read = self.next = {0: 0, 1: 0}  # what the first coefficients take, in the next clock and now
-        self.size = (self.config.max_width, self.config.max_height)
-
-    @property
-    def busy(self) -> int:
-        """A commit waits, or coefficients are shifted in."""
-        return int(self.pending or self.taking is not None or self.load is not None)
-
-    def coefs(self, second: int) -> int | None:
-        """The packed active coefficients."""
-        values = [v for v in self.active[second] if v is not None]
-        whole = len(values) == self.config.coefs
-        return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
-
-    def _shift(self) -> None:
-        """Shift p reaches coefficient k of g in clock 4 + 2 * p + coefs - 1 - k of the loading, of g2 in the next;
-        two clocks after the last one it ends."""
-        if self.load is None:
-            return
-        count = self.config.coefs
-        shifted = [count + 3 + 2 * p - self.load for p in range(count)]
-        for kernel, values in self.active.items():
-            before = [self.next[kernel], *values[:-1]]
-            for k in (at + kernel for at in shifted):
-                if 0 <= k < count:
-                    values[k] = before[k]
-        place = count - 1 - sum(k <= 0 for k in shifted)  # of the next shift to come
-        self.next = self.read
-        if place >= 0:
-            self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}
-        self.load += 1
-        if self.load == 3 * count + 5:
-            self.load, self.clearing = None, False
-
-    def edge(self, *, coef: bool, second: int, index: int, value: int, commit: bool, size: tuple[int, int],
-             active: int) -> None:
-        """Take the clock edge."""
-        c = self.config
-        self.hold = [self.busy, *self.hold[:-1]]
-        calm = bool(self.pending and not self.camera and self.taking is None and self.load is None)
-        apply = calm and self.settle == SETTLE
-        self.changed = 0
-        self._shift()
-        if self.taking is not None:
-            good = c.min_image <= self.taking[0] <= c.max_width and c.min_image <= self.taking[1] <= c.max_height
-            self.error = int(not good)
-            if good:
-                self.changed, self.size = int(self.taking != self.size), self.taking
-            self.load = 1
-        self.taking = size if apply else None
-        self.coming.append((second, index, value) if coef and index < c.coefs else None)
-        for kernel in (0, 1):
-            came = self.coming[1 - kernel]
-            if came is not None and came[0] == kernel:
-                self.staged[kernel][came[1]] = came[2]
-        self.settle = min(self.settle + 1, SETTLE) if calm else 0
-        self.pending = int(commit or (self.pending and not apply))
-        self.camera = bool(active)
-
-
-class PeekModel:
-    """`slog_peek`."""
-
-    def __init__(self, group_bits: int, store_words: int) -> None:
-        self.store_words, self.chunks = store_words, -(-group_bits // 32)
-        self.reset()
-
-    def reset(self) -> None:
-        """State after reset."""
-        self.go = self.started = self.onward = self.new = self.new2 = self.want = self.flight = self.drop = False
-        self.valid = self.outside = self.done = False
-        self.have = True
-        self.word: int | None = 0
-        self.coming: int | None = None  # what the store showed in the clock before
-        self.chunk, self.address = 0, 0
-
-    @property
-    def data(self) -> int | None:
-        """What the next read gets; None if undefined."""
-        return None if self.word is None else self.word >> 32 * self.chunk & 0xFFFFFFFF
-
-    @property
-    def ready(self) -> bool:
-        """`data` may be read."""
-        return self.have and not self.go
-
-    def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:
-        """Take the clock edge."""
-        now, self.go = self.go, bool(go)
-        taken = self.valid and bool(ready)
-        ask = self.want and not self.flight and not self.valid
-        inside = self.address < self.store_words
-        onward, self.onward = self.onward, take and self.started and self.chunk == self.chunks - 1
-        self.want = self.new2 or (self.want and not ask)
-        self.new, self.new2 = now or onward, self.new
-        if self.outside:
-            self.have, self.word = True, 0
-        self.outside = not now and ask and not inside
-        self.valid = not now and ((ask and inside) or (self.valid and not ready))
-        if self.done:
-            self.have, self.word = not self.drop, self.coming
-        drop = (self.flight and not self.done) or taken
-        if self.done:
-            self.drop = False
-        self.flight = taken or (self.flight and not self.done)
-        self.done, self.coming = bool(done), data
-        self.chunk += take
-        if onward:
-            self.have, self.address, self.chunk = False, (self.address + 1) & 0xFFFFFF, 0
-        if now:
-            self.started, self.want, self.have, self.address, self.chunk = True, False, False, address, 0
-            self.drop = drop
 
 
 class ControlModel:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from golden.cycle.array.operand_array import OperandArrayModel
 from golden.cycle.array.timing import drain_clocks
 from golden.cycle.correlator.fetch import FetchModel
-from golden.cycle.array.operand_array import OperandArrayModel
-from golden.cycle.peak.peak import PeakModel
 from golden.cycle.correlator.sequencer import SequencerModel
+from golden.cycle.peak.peak import PeakModel
 from golden.params import Config
 from golden.structs import STEP
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from golden.correlate import Status
 from golden.cycle.correlator.align import AlignModel
-from golden.cycle.correlator.job_check import JobCheckModel, loads
+from golden.cycle.correlator.job_check import JobCheckModel
+from golden.cycle.correlator.job_plan import loads
 from golden.cycle.store.store import STORE_LATENCY
 from golden.params import Config
 from golden.structs import TICKET, unpack_job

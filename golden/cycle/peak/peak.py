@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from collections import deque
 
-from golden.cycle.peak.structs import (
-    ROW,
-    SCAN,
-    VERDICT,
-    BestModel,
-    CollectModel,
-    IntakeModel,
-    Outputs,
-    RoomModel,
-    RowsModel,
-    ScanModel,
-)
 from golden.cycle.cells.ram import RamModel
 from golden.cycle.cells.ram_fifo import RamFifoModel
-from golden.cycle.peak.running_max import RunningMaxModel
 from golden.cycle.cells.stage import StageModel
+from golden.cycle.peak.best import BestModel
+from golden.cycle.peak.collect import CollectModel
+from golden.cycle.peak.intake import IntakeModel
+from golden.cycle.peak.room import RoomModel
+from golden.cycle.peak.rows import RowsModel
+from golden.cycle.peak.running_max import RunningMaxModel
+from golden.cycle.peak.scan import ScanModel
+from golden.cycle.peak.structs import ROW, SCAN, VERDICT, Outputs
 from golden.params import NO_SCORE, SCORE_BITS
 from golden.structs import RESULT
 

@@ -14,8 +14,8 @@ from golden import log
 from golden.correlate import Job, Plane, Status, grid, run, surface
 from golden.params import FULL, TINY, Config
 from sim.board import build as builder
-from sim.toolchain import rtl_sources
 from sim.board.device import Device, DeviceError, DeviceTimeout, Image, frame_beats
+from sim.toolchain import rtl_sources
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from pathlib import Path
 from golden import log
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
-from sim.board.build import BuildError
-from sim.registers.map import fields
-from sim.board.device import Device, DeviceError
 from signum.boards.board import BoardBase, BoardError, Image, Surface
+from sim.board.build import BuildError
+from sim.board.device import Device, DeviceError
+from sim.registers.map import fields
 
 
 class VerilatedBoard(BoardBase):

@@ -11,13 +11,13 @@ from signum.commands.common import app
 
 COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate", "stereo",
             "track")
-"""Names of the commands and of their modules in `sw.commands`."""
+"""Names of the commands and of their modules in `signum.commands`."""
 
 
 def application(*commands: str) -> typer.Typer:
     """The application with these commands, by default all; each brings libraries that take their time to load."""
     for name in commands or COMMANDS:
-        importlib.import_module(f"sw.commands.{name}")
+        importlib.import_module(f"signum.commands.{name}")
     return app
 
 

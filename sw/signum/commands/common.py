@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Annotated, ParamSpec
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from signum.boards.board import MAX_SIGMA, MIN_SIGMA, BoardBase, BoardError
 from signum.boards import open_board
+from signum.boards.board import MAX_SIGMA, MIN_SIGMA, BoardBase, BoardError
+from signum.common.console import notes
 from signum.common.errors import SignumError
-from signum.sources.open import Fit, Frame, Source
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame, Source
 
 app = typer.Typer(
     name="signum", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
@@ -32,8 +32,6 @@ def _signum() -> None:
 LONGEST = 500
 """Characters of an error line: a tool's whole output is not for here."""
 P = ParamSpec("P")
-notes = Console(stderr=True, highlight=False, soft_wrap=True)
-out = Console(highlight=False, soft_wrap=True)
 
 
 class BoardName(StrEnum):
@@ -87,16 +85,6 @@ def board_of(name: BoardName, window: int = 8) -> Iterator[BoardBase]:
         if not board.config.min_window <= window <= board.config.max_window:
             raise SignumError(f"--window {window}: choose {board.config.min_window} to {board.config.max_window}")
         yield board
-
-
-@contextmanager
-def progress(what: str, total: int | None) -> Iterator[Callable[[str], None]]:
-    """A progress line on the terminal; call what is yielded once a frame with a word on how it went."""
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-               TimeElapsedColumn(), TextColumn("{task.fields[state]}"))
-    with Progress(*columns, console=notes) as bar:
-        task = bar.add_task(what, total=total, state="")
-        yield lambda state: bar.update(task, advance=1, state=state)
 
 
 def fit_to(frame: Frame, board: BoardBase, window: int, source: Source) -> Fit:

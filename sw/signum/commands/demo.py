@@ -4,18 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from signum.commands.common import (
-    BoardName,
-    BoardOption,
-    OutOption,
-    SigmaOption,
-    WindowOption,
-    app,
-    board_of,
-    guarded,
-    out,
-    progress,
-)
+from signum.commands.common import BoardName, BoardOption, OutOption, SigmaOption, WindowOption, app, board_of, guarded
+from signum.common.console import out, progress
 
 
 @app.command()

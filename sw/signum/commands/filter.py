@@ -18,12 +18,12 @@ from signum.commands.common import (
     board_of,
     clocks_line,
     guarded,
-    notes,
-    out,
 )
+from signum.common.console import notes, out
+from signum.frames.fit import Fit
+from signum.frames.frame import read_picture
 from signum.measure.measurer import Measurer
 from signum.report.draw import stage_panel
-from signum.sources.open import Fit, read_picture
 
 
 @app.command("filter")

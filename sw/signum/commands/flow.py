@@ -21,16 +21,17 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
     write_report,
 )
+from signum.common.console import notes, out, progress
+from signum.frames.frame import Frame
 from signum.measure.flow import FlowField, draw_flow, measure_flow
 from signum.measure.measurer import Measurer, View
 from signum.report.movie import Movie
-from signum.sources.open import Frame, open_source
-from signum.report.rows import FLOW, Table, flow_rows
+from signum.report.rows import flow_rows
+from signum.sources.open import open_source
+from signum.tables.schemas import FLOW
+from signum.tables.table import Table
 
 LOST = 0.25
 """Share of valid windows below which the search is widened."""

@@ -9,8 +9,14 @@ from typing import Annotated
 
 import typer
 
+from signum.applications.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye, State, Target
+from signum.applications.follow.page import draw_chase, draw_states, follow_bars, follow_section
+from signum.applications.follow.pilot import Where
+from signum.applications.follow.record import FollowRecord
+from signum.applications.follow.simulate import Chase, Row, judge
+from signum.applications.follow.simulate import follow as chase_fish
+from signum.applications.follow.watch import watch
 from signum.boards.board import BoardBase
-from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -21,21 +27,15 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
 )
+from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
-from signum.applications.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye, State, Target
-from signum.applications.follow.page import draw_chase, draw_states, follow_bars, follow_section
-from signum.applications.follow.pilot import Where
-from signum.applications.follow.record import FollowRecord
-from signum.applications.follow.watch import watch
-from signum.applications.follow.simulate import Chase, Row, judge
-from signum.applications.follow.simulate import follow as chase_fish
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame, Picture
+from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.measure.measurer import Measurer
 from signum.report.page import Section, write_page
-from signum.sources.open import Fit, Frame, Picture, open_source
+from signum.sources.open import open_source
 from signum.world.camera import Pinhole
 
 

@@ -13,8 +13,14 @@ import cv2
 import numpy as np
 import typer
 
+from signum.applications.hold.mavlink import MavlinkSink
+from signum.applications.hold.meter import Reading
+from signum.applications.hold.page import hold_bars, hold_section
+from signum.applications.hold.record import HoldRecord
+from signum.applications.hold.simulate import SURGE, Scenario, judge_rows
+from signum.applications.hold.simulate import hold as fly
+from signum.applications.hold.watch import watch
 from signum.boards.board import BoardBase
-from signum.geometry.calibration import read_mono
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -27,21 +33,15 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
 )
+from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
-from signum.applications.hold.mavlink import MavlinkSink
-from signum.applications.hold.meter import Reading
-from signum.applications.hold.page import hold_bars, hold_section
-from signum.applications.hold.record import HoldRecord
-from signum.applications.hold.watch import watch
-from signum.applications.hold.simulate import SURGE, Scenario, judge_rows
-from signum.applications.hold.simulate import hold as fly
+from signum.frames.frame import Source
+from signum.geometry.calibration import read_mono
 from signum.measure.measurer import Measurer
 from signum.report.page import write_page
-from signum.sources.open import Source, VideoSource, open_source
+from signum.sources.files import VideoSource
+from signum.sources.open import open_source
 from signum.world.vehicle import Current
 from signum.world.water import PAPER
 

@@ -7,7 +7,8 @@ from dataclasses import asdict
 
 from rich.table import Table as Grid
 
-from signum.commands.common import BoardName, BoardOption, SigmaOption, WindowOption, app, board_of, guarded, out
+from signum.commands.common import BoardName, BoardOption, SigmaOption, WindowOption, app, board_of, guarded
+from signum.common.console import out
 
 
 @app.command()

@@ -10,7 +10,13 @@ from typing import Annotated
 
 import typer
 
-from signum.geometry.calibration import read_mono
+from signum.applications.mosaic.accuracy import ACCURACY, Track, judge, read_track, rows
+from signum.applications.mosaic.georeference import Georeference, by_log, by_range
+from signum.applications.mosaic.ledger import CURVED, Settings
+from signum.applications.mosaic.pose import Pose
+from signum.applications.mosaic.shelf import Run, Shelf
+from signum.applications.mosaic.survey import Survey
+from signum.applications.mosaic.ways import WAYS
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -23,23 +29,16 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
     write_report,
 )
+from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
+from signum.frames.frame import Frame, Source
+from signum.geometry.calibration import read_mono
 from signum.measure.measurer import Measurer
-from signum.applications.mosaic.column import Pose
 from signum.measure.register import Registrar
-from signum.sources.open import Frame, Source, open_source
-from signum.applications.mosaic.accuracy import ACCURACY, Track, judge, read_track, rows
-from signum.applications.mosaic.georeference import Georeference, by_log, by_range
-from signum.applications.mosaic.ledger import CURVED, Settings
-from signum.applications.mosaic.shelf import Run, Shelf
-from signum.applications.mosaic.survey import Survey
-from signum.applications.mosaic.ways import WAYS
-from signum.report.rows import Table
+from signum.sources.open import open_source
+from signum.tables.table import Table
 
 LIVE_EVERY = 2.0
 """Seconds between two looks at the growing mosaic."""

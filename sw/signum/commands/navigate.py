@@ -11,6 +11,10 @@ import cv2
 import numpy as np
 import typer
 
+from signum.applications.navigate.chart import Chart
+from signum.applications.navigate.draw import draw_path
+from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
+from signum.applications.navigate.pilot import Aim, Pilot
 from signum.boards.board import BoardBase
 from signum.commands.common import (
     BoardName,
@@ -24,19 +28,15 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
     write_report,
 )
+from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
+from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
-from signum.applications.navigate.chart import Chart
-from signum.applications.navigate.draw import draw_path
-from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
-from signum.applications.navigate.pilot import Aim, Pilot
-from signum.sources.open import Fit, open_source
-from signum.report.rows import GOTO, NAVIGATE, Table
+from signum.sources.open import open_source
+from signum.tables.schemas import GOTO, NAVIGATE
+from signum.tables.table import Table
 
 
 class Simulated(StrEnum):

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from signum.commands.common import app, guarded, out, write_report
+from signum.commands.common import app, guarded, write_report
+from signum.common.console import out
 
 
 @app.command()

@@ -12,20 +12,21 @@ import cv2
 import numpy as np
 import typer
 
-from signum.commands.common import BoardName, OutOption, app, board_of, guarded, out, progress
-from signum.common.errors import SignumError
 from signum.applications.follow.pilot import Where
 from signum.applications.follow.simulate import Chase
 from signum.applications.follow.simulate import follow as chase_fish
 from signum.applications.hold.simulate import Scenario
 from signum.applications.hold.simulate import hold as keep_station
+from signum.commands.common import BoardName, OutOption, app, board_of, guarded
+from signum.common.console import out, progress
+from signum.common.errors import SignumError
+from signum.frames.frame import Picture
 from signum.measure.measurer import Measurer
-from signum.sources.open import Picture
-from signum.report.rows import Table
+from signum.sources.simulated import Survey
+from signum.tables.table import Table
 from signum.world.camera import Pinhole
 from signum.world.scenes import BASELINE_M, Still, drift, survey, truth_of
 from signum.world.water import CLEAR, COASTAL, PAPER
-from signum.sources.simulated import Survey
 
 WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
 

@@ -12,7 +12,6 @@ import numpy as np
 import tifffile
 import typer
 
-from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -24,16 +23,19 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
     write_report,
 )
+from signum.common.console import notes, out, progress
 from signum.common.errors import SourceError
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame, Picture, Source, grey
+from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.measure.measurer import Measurer
-from signum.sources.open import Fit, Frame, Picture, Source, grey, open_source
 from signum.measure.stereo import RangeMap, draw_range, measure_range, write_ply
-from signum.report.rows import DISPARITY, Table, disparity_rows
+from signum.report.rows import disparity_rows
+from signum.sources.open import open_source
+from signum.tables.schemas import DISPARITY
+from signum.tables.table import Table
 
 
 @app.command()

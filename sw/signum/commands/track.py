@@ -20,16 +20,17 @@ from signum.commands.common import (
     clocks_line,
     fit_to,
     guarded,
-    notes,
-    out,
-    progress,
     write_report,
 )
+from signum.common.console import notes, out, progress
+from signum.frames.frame import Frame
 from signum.measure.measurer import Measurer
-from signum.report.draw import draw_tracks
-from signum.sources.open import Frame, open_source
-from signum.report.rows import DRIFT, TRACK, Table, drift_row, track_row
 from signum.measure.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
+from signum.report.draw import draw_tracks
+from signum.report.rows import drift_row, track_row
+from signum.sources.open import open_source
+from signum.tables.schemas import DRIFT, TRACK
+from signum.tables.table import Table
 
 KEPT = 5
 """Frames for which a lost feature still has rows, marked as not valid."""

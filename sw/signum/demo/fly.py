@@ -11,87 +11,42 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.reproduce import figure8
-from signum.boards.board import Board
-from signum.measure.flow import FlowField, measure_flow
-from signum.measure.measurer import Measurer
+from signum.applications.hold.station import hold
 from signum.applications.mosaic.column import Column, fly
+from signum.boards.board import Board
+from signum.demo.flight import (
+    DT,
+    FEATURES,
+    FLOW_FRAMES,
+    FOCAL,
+    FREE_SECONDS,
+    HELD_SECONDS,
+    IMAGES,
+    SIZE,
+    TRACKED,
+    Flight,
+    Phase,
+)
+from signum.frames.fit import Fit
+from signum.measure.flow import measure_flow
+from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
+from signum.measure.track import Tracker, TrackSettings
+from signum.report.rows import track_row
+from signum.reproduce import figure8
+from signum.tables.schemas import TRACK
+from signum.tables.table import Table
+from signum.world.degrade import degrade
 from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
-from signum.sources.open import Fit, Picture
-from signum.applications.hold.station import Moment, hold
-from signum.report.rows import TRACK, Table, track_row
-from signum.measure.track import Tracker, TrackPoint, TrackSettings
-
-SIZE = 256, 192
-FOCAL = 280.0
-TRACKED = 20
-FEATURES = 12
-FLOW_FRAMES = 4
-"""Frames from one picture of the flow field to the other."""
-IMAGES = 4
-HELD_SECONDS = 14.0
-FREE_SECONDS = 3.0
-DT = 0.2
 
 Bar = Callable[[str, int | None], AbstractContextManager[Callable[[str], None]]]
 """Makes a progress line: (what, total) -> a call for every frame."""
-
-
-@dataclass
-class Phase:
-    """What one part of the flight cost."""
-
-    name: str
-    frames: int = 0
-    clocks: int = 0
-    seconds: float = 0.0
-
-
-@dataclass
-class Flight:
-    """Everything the report shows.
-
-    Attributes:
-        board, sigma, window: what it ran on.
-        phases: costs, in order.
-        stage: picture and signs of figure 3, both uint8 (H, W).
-        snow: (original, its signs, degraded, its signs) of figure 8; agreement: (whole, inner quarter).
-        flow: (first frame, second frame, field, true displacement in pixels (dx, dy)).
-        first, last: frames of the tracking run; points of the last; initial: those of the first.
-        errors: of every valid track measurement against the truth, pixels, (n, 2).
-        tracked: (measurements of features in view, of them valid).
-        mosaic: the picture; poses: per stored frame (measured, true) position in the mosaic plane, pixels; edges: how
-            many there are and how many are accepted.
-        held: station keeping; free: the same water without control.
-    """
-
-    board: str
-    sigma: float
-    window: int
-    phases: list[Phase] = field(default_factory=list)
-    stage: tuple[Picture, Picture] | None = None
-    snow: tuple[Picture, Picture, Picture, Picture] | None = None
-    agreement: tuple[float, float] = (0.0, 0.0)
-    flow: tuple[Picture, Picture, FlowField, tuple[float, float]] | None = None
-    first: Picture | None = None
-    last: Picture | None = None
-    initial: list[TrackPoint] = field(default_factory=list)
-    points: list[TrackPoint] = field(default_factory=list)
-    errors: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
-    tracked: tuple[int, int] = (0, 0)
-    mosaic: Picture | None = None
-    poses: list[tuple[tuple[float, float], tuple[float, float]]] = field(default_factory=list)
-    edges: tuple[int, int] = (0, 0)
-    held: list[Moment] = field(default_factory=list)
-    free: list[Moment] = field(default_factory=list)
 
 
 def run_demo(board: Board, out: Path, sigma: float, window: int, bar: Bar) -> Path:
@@ -145,7 +100,7 @@ def _filter(flight: Flight, board: Board, camera: Camera, step: Callable[[str], 
     flight.stage = picture, measurer.signs(measurer.view(picture))
     step("")
     photo = next(figure8.pictures())[1]
-    degraded = figure8.degrade(photo)
+    degraded = degrade(photo)
     measurer = Measurer(board, (photo.shape[1], photo.shape[0]), 1.5)
     planes = []
     for image in (photo, degraded):

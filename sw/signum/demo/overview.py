@@ -5,10 +5,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from signum.demo.fly import Flight
+from signum.demo.flight import Flight
+from signum.frames.frame import Picture
 from signum.measure.flow import draw_flow
 from signum.report.draw import draw_tracks
-from signum.sources.open import Picture
 
 HEIGHT = 400
 GAP = 8

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.demo.fly import DT, FLOW_FRAMES, IMAGES, Flight
-from signum.measure.flow import draw_flow
-from signum.report.page import Section, figure, plot, row, table, write_page
-from signum.report.draw import draw_tracks, stages
 from signum.applications.hold.station import Moment
+from signum.demo.flight import DT, FLOW_FRAMES, IMAGES, Flight
+from signum.measure.flow import draw_flow
+from signum.report.draw import draw_tracks, stages
+from signum.report.page import Section, figure, plot, row, table, write_page
 
 CLOCK_MHZ = 150, 205
 """Clocks of a real board for which times are given: the first aim and the next."""

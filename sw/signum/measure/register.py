@@ -21,9 +21,10 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
+from signum.frames.fit import Fit
+from signum.frames.frame import Picture
 from signum.geometry.similarity import IDENTITY, Points, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, Reason, Rules, View
-from signum.sources.open import Fit, Picture
 
 COARSE_SIDE = 160
 COARSE_LEAST = 64

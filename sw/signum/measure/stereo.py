@@ -16,9 +16,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.frames.fit import Fit
+from signum.frames.frame import Picture
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurement, Measurer, Query, Rules, View
-from signum.sources.open import Fit, Picture
 
 Float = NDArray[np.float64]
 SCALE_WIDTH = 64

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.errors import SignumError
+from signum.frames.frame import Picture
 from signum.report.page import figure
-from signum.sources.open import Picture
 
 WIDEST = 1400
 """Pixels of a picture on a page."""

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from golden import log
-from signum.sources.open import Picture
+from signum.frames.frame import Picture
 from signum.measure.track import TrackPoint
 
 GAP = 6

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from signum.common.errors import SignumError
+from signum.report.kinds import anything, flow, mosaic, navigate, stereo, track
 from signum.report.page import Section, write_page
-from signum.report.folder import anything, flow, mosaic, navigate, stereo, track
 
 KINDS: dict[str, tuple[str, Callable[[Path], list[Section]]]] = {
     "track.csv": ("Tracks", track.sections),

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from signum.sources.open import Picture
+from signum.frames.frame import Picture
 
 
 class Movie:

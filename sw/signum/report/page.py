@@ -14,7 +14,7 @@ import cv2
 import matplotlib
 from matplotlib.figure import Figure
 
-from signum.sources.open import Picture
+from signum.frames.frame import Picture
 
 matplotlib.use("Agg")
 

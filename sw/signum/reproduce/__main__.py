@@ -1,4 +1,4 @@
-"""`python -m sw.reproduce`: the page, section by section; exit status 1 where a bar is missed or a section failed."""
+"""`python -m signum.reproduce`: the page, section by section; status 1 where a bar is missed or a section failed."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from functools import partial
 from pathlib import Path
 
 from signum.boards import BOARDS, open_board
-from signum.commands.common import notes, out, progress
+from signum.common.console import notes, out, progress
 from signum.report.page import Section, paragraph, table, write_page
 from signum.reproduce import Maker
 from signum.reproduce.sections import MAKERS
-from signum.report.rows import Table
+from signum.tables.table import Table
 
 BARS = "section", "figure", "measured", "relation", "bound", "met"
 """Of `bars.csv`."""
@@ -92,7 +92,7 @@ def run(chosen: dict[str, Maker], board: str, folder: Path, seed: int, quick: bo
 def main(argv: Sequence[str] | None = None) -> int:
     """Returns the exit status: 0, 1 where a bar is missed or a section failed, 130 when stopped."""
     known = MAKERS
-    parser = argparse.ArgumentParser(prog="python -m sw.reproduce", description="The paper's figures and tables.")
+    parser = argparse.ArgumentParser(prog="python -m signum.reproduce", description="The paper's figures and tables.")
     parser.add_argument("--board", choices=BOARDS, default="golden")
     parser.add_argument("--out", type=Path, default=Path("out/reproduce"), help="folder; made if missing")
     parser.add_argument("--seed", type=int, default=0)

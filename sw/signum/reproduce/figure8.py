@@ -1,7 +1,7 @@
 """Figure 8 of the paper: how much of the sign image survives poor contrast, uneven light and marine snow.
 
-`python -m sw.figure8` degrades photographs as the paper says and prints, per picture and sigma, the share of pixels
-whose sign stays the same, over the whole image and over its inner quarter.
+`python -m signum.reproduce.figure8` degrades photographs as the paper says and prints, per picture and sigma, the
+share of pixels whose sign stays the same, over the whole image and over its inner quarter.
 """
 
 from __future__ import annotations
@@ -15,17 +15,16 @@ import cv2
 import numpy as np
 import skimage.data
 
-from signum.boards.board import Board, Image
 from signum.boards import BOARDS, open_board
+from signum.boards.board import Board, Image
+from signum.world.degrade import degrade
 
 SIZE = 640, 480
 SIGMAS = 1.0, 1.5, 2.0, 3.0, 4.0
 PHOTOGRAPHS = "gravel", "grass", "brick", "moon"
 """Bundled with scikit-image."""
-SHARED = Path(__file__).resolve().parent.parent.parent / "shared" / "data"
+SHARED = Path(__file__).resolve().parents[4] / "shared" / "data"
 """Real seabed, where it is at hand."""
-SNOW = 250
-MID_GREY = 128
 
 
 @dataclass(frozen=True)
@@ -36,33 +35,6 @@ class Agreement:
     sigma: float
     whole: float
     inner: float
-
-
-def degrade(image: Image, seed: int = 0, light_radius: float = 0.25, corner_light: float = 0.3) -> Image:
-    """The paper's three degradations, one after the other.
-
-    1. contrast: intensity / 4, recentred to mid grey;
-    2. light: times 1 - k (r - r0)^2 beyond the distance r0 from the centre;
-    3. snow: 250 solid white 3x3 squares, uniformly placed, whole ones.
-
-    Args:
-        image: uint8 (H, W), at least 3x3.
-        seed: of the snow.
-        light_radius: r0 as a fraction of the half diagonal, below 1. The paper gives neither r0 nor k.
-        corner_light: light left in the corners, which fixes k.
-
-    Returns:
-        uint8 (H, W).
-    """
-    height, width = image.shape
-    y, x = np.mgrid[:height, :width] - np.array([(height - 1) / 2, (width - 1) / 2])[:, None, None]
-    beyond = np.clip(np.hypot(x, y) / (np.hypot(width, height) / 2) - light_radius, 0, None) / (1 - light_radius)
-    light = 1 - (1 - corner_light) * beyond**2
-    out: Image = np.rint((image / 4 + (MID_GREY - MID_GREY / 4)) * light).astype(np.uint8)
-    rng = np.random.default_rng(seed)
-    for top, left in zip(rng.integers(0, height - 2, SNOW), rng.integers(0, width - 2, SNOW), strict=True):
-        out[top:top + 3, left:left + 3] = 255
-    return out
 
 
 def agreement(before: Image, after: Image) -> tuple[float, float]:
@@ -138,7 +110,7 @@ def _fitted(image: Image) -> Image:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Print the table; returns the exit status: 1 where gravel or grass at sigma 1.5 miss the paper's figures."""
-    parser = argparse.ArgumentParser(prog="python -m sw.figure8",
+    parser = argparse.ArgumentParser(prog="python -m signum.reproduce.figure8",
                                      description="Agreement of signs, after the paper's figure 8.")
     parser.add_argument("--board", choices=BOARDS, default="golden")
     parser.add_argument("--seed", type=int, default=0, help="of the marine snow")

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.reproduce import figure8
 from signum.boards.board import Board, Image
 from signum.measure.measurer import Measurer
-from signum.report.page import Bar, Section, figure, paragraph, row, table
 from signum.report.draw import stages
-from signum.reproduce import OpenBoard, Progress
+from signum.report.page import Bar, Section, figure, paragraph, row, table
+from signum.reproduce import OpenBoard, Progress, figure8
+from signum.world.degrade import degrade
 
 SIGMA = 2.5
 JUDGED = "gravel", "grass"
@@ -58,6 +58,6 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
 
 def _example(board: Board, picture: Image, seed: int) -> list[tuple[str, Image]]:
     measurer = Measurer(board, figure8.SIZE, JUDGED_SIGMA)
-    degraded = figure8.degrade(picture, seed)
+    degraded = degrade(picture, seed)
     signs = [measurer.signs(measurer.view(p)) * np.uint8(255) for p in (picture, degraded)]
     return [("original", picture), ("its signs", signs[0]), ("degraded", degraded), ("its signs", signs[1])]

@@ -8,13 +8,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.reproduce.figure8 import degrade
+from signum.frames.frame import Picture
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.flow import FlowField, draw_flow, measure_flow
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section, figure, paragraph, row
 from signum.reproduce import OpenBoard, Progress
-from signum.sources.open import Picture
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.camera import Pinhole
+from signum.world.degrade import degrade
 from signum.world.seafloor import Seafloor, photograph
 from signum.world.water import COASTAL
 from signum.world.world import World

@@ -17,11 +17,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.geometry.similarity import IDENTITY
-from signum.measure.register import Registrar
 from signum.applications.mosaic.graph import chain, solve
 from signum.applications.mosaic.links import LOOP, Link
 from signum.applications.mosaic.simulate import Cell, Flown, Plan, back_and_forth
+from signum.geometry.similarity import IDENTITY
+from signum.measure.register import Registrar
 
 METHODS = "a", "b", "c"
 REACH = 28

@@ -8,22 +8,22 @@ import cv2
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.applications.mosaic.blend import compose
-from signum.boards.board import BoardBase
-from signum.applications.mosaic.column import Column, fly
-from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
-from signum.reproduce import OpenBoard, Progress
-from signum.reproduce.survey import registrar
-from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
-from signum.sources.open import Frame, Picture
 from signum.applications.mosaic import simulate
 from signum.applications.mosaic.accuracy import Error, Track, judge
+from signum.applications.mosaic.blend import compose
+from signum.applications.mosaic.column import Column, fly
 from signum.applications.mosaic.graph import chain
 from signum.applications.mosaic.ledger import Piece
 from signum.applications.mosaic.links import SEQUENCE
 from signum.applications.mosaic.simulate import Flown, Plan
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
+from signum.boards.board import BoardBase
+from signum.frames.frame import Frame, Picture
+from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
+from signum.reproduce import OpenBoard, Progress
+from signum.reproduce.survey import registrar
+from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
 
 IMAGES = 4
 """The paper's figure 15 has four."""

@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.boards.board import BoardBase
-from signum.measure.measurer import Measurer
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
 from signum.applications.navigate.localise import Localiser
 from signum.applications.navigate.simulate import PanTiltSite, Scene, Step, miss
 from signum.applications.navigate.truth import random_target
+from signum.boards.board import BoardBase
+from signum.frames.fit import Fit
+from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
-from signum.sources.open import Fit
 
 FLOORS = "gravel", "grass", "brick", "gravel", "grass"
 TARGETS = 10

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.mosaic.simulate import orthographic, seafloor
+from signum.frames.frame import Picture
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Registrar
-from signum.sources.open import Picture
-from signum.applications.mosaic.simulate import orthographic, seafloor
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.water import Water
 from signum.world.world import World
 

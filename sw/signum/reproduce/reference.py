@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from signum.geometry.similarity import Similarity
 
-SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
+SHARED = Path(__file__).resolve().parents[4] / "shared" / "data"
 """Where the development frames are, if they are on this machine; nothing needs them."""
 
 

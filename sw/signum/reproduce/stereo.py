@@ -8,13 +8,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.frames.frame import Picture
 from signum.geometry.calibration import StereoGeometry
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
+from signum.measure.stereo import RangeMap, draw_range, measure_range
 from signum.report.page import Bar, Section, figure, paragraph, row, table
 from signum.reproduce import OpenBoard, Progress
-from signum.sources.open import Picture
-from signum.measure.stereo import RangeMap, draw_range, measure_range
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
 

@@ -10,18 +10,20 @@ import numpy as np
 from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
-from signum.boards.board import BoardBase
-from signum.measure.measurer import Measurer
-from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
-from signum.measure.register import Registrar
-from signum.reproduce import OpenBoard, Progress
-from signum.sources.open import Fit, Picture, open_source
 from signum.applications.mosaic.accuracy import judge, read_track
+from signum.applications.mosaic.simulate import Plan, fly
+from signum.applications.mosaic.survey import Survey
+from signum.boards.board import BoardBase
+from signum.frames.fit import Fit
+from signum.frames.frame import Picture
+from signum.measure.measurer import Measurer
+from signum.measure.register import Registrar
+from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
+from signum.reproduce import OpenBoard, Progress
 from signum.reproduce.growth import METHODS, corner_errors, measure
 from signum.reproduce.projection import HEIGHTS, SIZE, View, compare
 from signum.reproduce.reference import SHARED, read_pairs, residuals
-from signum.applications.mosaic.simulate import Plan, fly
-from signum.applications.mosaic.survey import Survey
+from signum.sources.open import open_source
 
 SEEDS, SIDES = 20, range(3, 11)
 WINDOW, SIGMA = 48, 2.0

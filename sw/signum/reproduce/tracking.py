@@ -10,13 +10,14 @@ import numpy as np
 from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
+from signum.frames.frame import Picture
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer, Query, View
-from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
-from signum.report.draw import draw_tracks
-from signum.reproduce import OpenBoard, Progress
-from signum.sources.open import Picture
 from signum.measure.track import Tracker, TrackPoint, TrackSettings
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.report.draw import draw_tracks
+from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
+from signum.reproduce import OpenBoard, Progress
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.water import COASTAL
 from signum.world.world import World

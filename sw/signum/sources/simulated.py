@@ -8,8 +8,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from signum.common.errors import SourceError
-from signum.sources.open import Frame, Source
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.frames.frame import Frame, Source
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.seafloor import PHOTOS, Seafloor
 from signum.world.water import CLEAR, COASTAL, PAPER
 from signum.world.world import World

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.world.camera import Pinhole, Sight
+from signum.geometry.camera import Sight
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Float, photograph
 
 TEXELS = 128

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, Current, Vehicle
 from signum.world.water import COASTAL, Grey, Water

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.world.camera import LOOK_AHEAD, LOOK_DOWN, Matrix, Sight, pan_tilt, rotation
+from signum.geometry.camera import LOOK_AHEAD, LOOK_DOWN, Matrix, Sight, pan_tilt, rotation
 
 Vector = NDArray[np.float64]
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from signum.world.camera import Pinhole, Sight, see_floor
+from signum.geometry.camera import Sight
+from signum.world.camera import Pinhole, see_floor
 from signum.world.fish import Fish
 from signum.world.seafloor import Float, Seafloor
 from signum.world.vehicle import STILL, Current

@@ -12,13 +12,14 @@ import skimage.data
 from golden import correlate
 from golden.correlate import Job
 from golden.params import FULL, TINY, Config
-from signum.reproduce import figure8
 from signum.boards.board import BoardBase, BoardError, Image, run_jobs
 from signum.boards.golden import GoldenBoard
-from signum.measure.measurer import Measurer
-from signum.sources.open import Fit, open_source
-from signum.measure.track import Tracker, TrackPoint, TrackSettings
 from signum.boards.verilated import VerilatedBoard
+from signum.frames.fit import Fit
+from signum.measure.measurer import Measurer
+from signum.measure.track import Tracker, TrackPoint, TrackSettings
+from signum.reproduce import figure8
+from signum.sources.open import open_source
 
 Pair = tuple[GoldenBoard, VerilatedBoard]
 

@@ -11,12 +11,13 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from golden import log
-from signum.demo import fly as demo
-from signum.commands.cli import application
 from signum.commands import mosaic, track
+from signum.commands.cli import application
+from signum.demo import fly as demo
+from signum.frames.frame import Frame
+from signum.sources.files import ArraySource
+from signum.tables.schemas import TRACK
 from signum.world.scene import Camera, Pose, gravel
-from signum.sources.open import ArraySource, Frame
-from signum.report.rows import TRACK
 
 app = application()
 

@@ -13,20 +13,22 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from golden.params import FULL
-from signum.boards.board import BoardBase
-from signum.commands.cli import application
-from signum.commands import follow as follow_command
-from signum.commands import hold as hold_command
 from signum.applications.follow.pilot import Where
 from signum.applications.follow.record import FOLLOW
 from signum.applications.follow.simulate import Chase, follow
-from signum.boards.golden import GoldenBoard
 from signum.applications.hold.record import HOLD
 from signum.applications.hold.simulate import Scenario, hold
-from signum.measure.measurer import Measurer
-from signum.sources.open import ArraySource, Frame
+from signum.boards.board import BoardBase
+from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight
+from signum.commands import follow as follow_command
+from signum.commands import hold as hold_command
+from signum.commands.cli import application
+from signum.frames.frame import Frame
+from signum.geometry.camera import LOOK_DOWN, Sight
+from signum.measure.measurer import Measurer
+from signum.sources.files import ArraySource
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
 

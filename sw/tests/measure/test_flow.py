@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
-from signum.reproduce.figure8 import degrade
-from signum.measure.flow import draw_flow, measure_flow
 from signum.boards.golden import GoldenBoard
+from signum.measure.flow import draw_flow, measure_flow
 from signum.measure.measurer import Measurer
+from signum.world.degrade import degrade
 from signum.world.seafloor import photograph
 
 SIZE = (384, 288)

@@ -9,11 +9,11 @@ import skimage.data
 
 from golden.params import FULL
 from signum.boards.board import Image
-from signum.reproduce.figure8 import degrade
 from signum.boards.golden import GoldenBoard
 from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
 from signum.measure.predict import SearchPredictor
 from signum.measure.subpixel import line_offset, peak_offsets
+from signum.world.degrade import degrade
 
 SIZE = 400, 320
 

@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 import skimage.data
 
-from signum.geometry.similarity import Similarity
 from signum.boards.golden import GoldenBoard
+from signum.frames.fit import Fit
+from signum.frames.frame import Picture
+from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
-from signum.world.scene import gravel
-from signum.sources.open import Fit, Picture, open_source
 from signum.reproduce.reference import SHARED
+from signum.sources.open import open_source
+from signum.world.scene import gravel
 
 SIZE = 384, 288
 

@@ -8,11 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
-from signum.geometry.calibration import CalibrationError, StereoGeometry, read_stereo
 from signum.boards.golden import GoldenBoard
+from signum.geometry.calibration import CalibrationError, StereoGeometry, read_stereo
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
 from signum.measure.stereo import RangeMap, measure_range, write_ply
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
 

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from golden.params import FULL
 from signum.boards.board import Image
 from signum.boards.golden import GoldenBoard
+from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
-from signum.sources.open import Fit, FolderSource, open_source
 from signum.measure.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
+from signum.sources.files import FolderSource
+from signum.sources.open import open_source
 
-DATA = Path(__file__).resolve().parent.parent.parent / "shared" / "data"
+DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 NEAR_PX = 2.0
 Points = NDArray[np.float64]
 

@@ -12,17 +12,19 @@ import pytest
 import tifffile
 from typer.testing import CliRunner, Result
 
-from signum.geometry.calibration import CalibrationError
+from signum.boards.golden import GoldenBoard
 from signum.commands.cli import application
 from signum.common.errors import SourceError
+from signum.geometry.calibration import CalibrationError
+from signum.geometry.camera import LOOK_DOWN, Sight
 from signum.measure.flow import FlowField, measure_flow
-from signum.boards.golden import GoldenBoard
 from signum.measure.measurer import Measurer
-from signum.sources.open import UndistortedSource, open_source
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight
+from signum.sources.files import UndistortedSource
+from signum.sources.open import open_source
+from signum.sources.simulated import WorldSource
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor, photograph
 from signum.world.world import World
-from signum.sources.simulated import WorldSource
 
 app = application()
 

@@ -6,8 +6,9 @@ import pytest
 import skimage.data
 from scipy import ndimage
 
-from signum.reproduce import figure8
 from signum.boards.golden import GoldenBoard
+from signum.reproduce import figure8
+from signum.world.degrade import SNOW, degrade
 
 
 def test_table_meets_the_paper() -> None:
@@ -39,16 +40,16 @@ def test_as_a_float_filter_sees_it() -> None:
     with GoldenBoard() as board:
         (row,) = figure8.measure(board, "gravel", picture, [1.5])
     planes = [(ndimage.gaussian_laplace(p.astype(np.float64), 1.5, mode="nearest") > 0).astype(np.uint8)
-              for p in (picture, figure8.degrade(picture))]
+              for p in (picture, degrade(picture))]
     assert (row.whole, row.inner) == pytest.approx(figure8.agreement(planes[0], planes[1]), abs=0.003)
 
 
 def test_degradation() -> None:
     flat = np.full((480, 640), 200, np.uint8)
-    out = figure8.degrade(flat, seed=4)
-    assert np.array_equal(out, figure8.degrade(flat, seed=4)) and not np.array_equal(out, figure8.degrade(flat, seed=5))
+    out = degrade(flat, seed=4)
+    assert np.array_equal(out, degrade(flat, seed=4)) and not np.array_equal(out, degrade(flat, seed=5))
     snow = out == 255
-    assert 0.9 * 9 * figure8.SNOW < snow.sum() <= 9 * figure8.SNOW
+    assert 0.9 * 9 * SNOW < snow.sum() <= 9 * SNOW
     assert np.all(out[230:250, 310:330][~snow[230:250, 310:330]] == 146)  # 200 / 4 + 96, in full light
     corners = out[[0, 0, -1, -1], [0, -1, 0, -1]]
     assert set(corners) <= {44, 255}  # 30 % of it in the corners

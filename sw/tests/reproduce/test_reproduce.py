@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from signum.commands.common import progress
 from signum.boards.golden import GoldenBoard
+from signum.common.console import progress
 from signum.report.page import Bar, Section
 from signum.reproduce import Maker, OpenBoard, Progress
 from signum.reproduce import __main__ as command

@@ -14,8 +14,8 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
-from signum.sources.bags import BagSource
 from signum.common.errors import SourceError
+from signum.sources.bags import BagSource
 from signum.sources.open import open_source
 
 KINDS = "ros1", "sqlite3", "mcap"

@@ -8,7 +8,10 @@ import pytest
 
 from golden.params import FULL
 from signum.common.errors import SourceError
-from signum.sources.open import ArraySource, CameraSource, Fit, FolderSource, VideoSource, open_source, read_picture
+from signum.frames.fit import Fit
+from signum.frames.frame import read_picture
+from signum.sources.files import ArraySource, CameraSource, FolderSource, VideoSource
+from signum.sources.open import open_source
 
 
 def _picture(width: int = 64, height: int = 48, seed: int = 0) -> np.ndarray:

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.fish import Fish
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import AHEAD, DOWN, Current, PanTilt, Vehicle

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol
 
+from signum.applications.follow.segment import FLOW_RULES, NEAR_RULES, Blob, Segmented, by_motion, by_range, one_blob
+from signum.frames.frame import Picture
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import measure_flow
-from signum.applications.follow.segment import FLOW_RULES, NEAR_RULES, Blob, Segmented, by_motion, by_range, one_blob
 from signum.measure.measurer import Measurer, Query, Rules, View
-from signum.sources.open import Picture
 from signum.measure.stereo import measure_range
 
 RANGE_WINDOW, MOTION_WINDOW = 24, 32

@@ -14,8 +14,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.applications.pid import Gains, Pid
 from signum.applications.follow.follower import Target
+from signum.applications.pid import Gains, Pid
 
 ALPHA, BETA = 0.6, 0.15
 """Of the alpha-beta filter; near critical damping, settled in about five frames."""

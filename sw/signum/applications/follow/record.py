@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 
 from signum.applications.follow.follower import State, Target
+from signum.frames.frame import Picture, grey
 from signum.report.draw import write_line
-from signum.sources.open import Picture, grey
-from signum.report.rows import Table
+from signum.tables.table import Table
 
 FOLLOW = "frame", "time_s", "state", "x_px", "y_px", "width_px", "height_px", "windows", "range_m"
 """Of `follow.csv`: where the fish is and what its blob spans; place empty when lost, the rest where not measured."""

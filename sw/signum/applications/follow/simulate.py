@@ -9,9 +9,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.geometry.calibration import StereoGeometry
-from signum.applications.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, Follower, MotionEye, RangeEye, State, Target
+from signum.applications.follow.follower import (
+    MOTION_WINDOW,
+    RANGE_WINDOW,
+    Eye,
+    Follower,
+    MotionEye,
+    RangeEye,
+    State,
+    Target,
+)
 from signum.applications.follow.pilot import Felt, Pilot, Where
+from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurer
 from signum.world.camera import Pinhole
 from signum.world.fish import Fish

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from signum.applications.follow.follower import Eye, Follower, Target
-from signum.sources.open import Picture
+from signum.frames.frame import Picture
 
 
 def watch(eye: Eye, pictures: Iterable[tuple[Picture, ...]]) -> Iterator[Target]:

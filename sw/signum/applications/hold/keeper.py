@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.applications.pid import Gains, Pid
 from signum.applications.hold.meter import UPRIGHT, Level, Reading, StationMeter
 from signum.applications.hold.tuning import Axis
+from signum.applications.pid import Gains, Pid
 from signum.measure.measurer import View
 
 WIDEN = 4

@@ -11,8 +11,8 @@ import os
 from types import TracebackType
 from typing import Any, Self
 
-from signum.common.errors import SignumError
 from signum.applications.hold.meter import Reading
+from signum.common.errors import SignumError
 
 os.environ.setdefault("MAVLINK20", "1")  # before pymavlink is imported: the message is one of MAVLink 2
 

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.geometry.camera import LOOK_DOWN, pan_tilt, rotation
 from signum.geometry.similarity import IDENTITY, Points, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, Rules, View
-from signum.world.camera import LOOK_DOWN, pan_tilt, rotation
 
 
 class Level(NamedTuple):

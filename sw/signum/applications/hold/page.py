@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from signum.applications.hold.simulate import HoldFigures
+from signum.frames.frame import Picture
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
-from signum.sources.open import Picture
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.applications.hold.meter import Reading
+from signum.frames.frame import Picture, grey
 from signum.report.draw import write_line
-from signum.sources.open import Picture, grey
-from signum.report.rows import Table
+from signum.tables.table import Table
 
 HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
 """Of `hold.csv`: x ahead and y to the right of the station, rotation clockwise seen from above, zoom and range of

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.geometry.calibration import StereoGeometry
-from signum.common.errors import SignumError
 from signum.applications.hold.keeper import Sensed, StationKeeper
 from signum.applications.hold.meter import Level, Reading, StationMeter
+from signum.common.errors import SignumError
+from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurer
 from signum.measure.stereo import measure_range
 from signum.world.camera import Pinhole

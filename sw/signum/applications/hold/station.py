@@ -19,11 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from signum.applications.pid import Gains, Pid
+from signum.frames.frame import Picture
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, View
 from signum.measure.predict import SearchPredictor
 from signum.world.scene import Camera, Pose, Vehicle
-from signum.sources.open import Picture
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.common.errors import SourceError
 from signum.applications.hold.keeper import Sensed, StationKeeper
 from signum.applications.hold.meter import Reading, StationMeter
+from signum.common.errors import SourceError
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame, Picture, Source
 from signum.measure.measurer import Measurer
-from signum.sources.open import Fit, Frame, Picture, Source
 
 
 @dataclass(frozen=True, eq=False)

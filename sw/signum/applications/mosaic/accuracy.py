@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.mosaic.pose import Pose
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
-from signum.applications.mosaic.column import Pose
 
 ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
 """Of `accuracy.csv`: statistics over frames (APE) or consecutive frames (RPE)."""

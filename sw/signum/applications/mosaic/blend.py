@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.frames.frame import Picture
 from signum.geometry.similarity import Points, Similarity, corners
-from signum.sources.open import Picture
 
 MOST_PIXELS = 100_000_000
 """Of a mosaic; a larger one is made at a smaller scale."""

@@ -23,17 +23,14 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose
+from signum.applications.mosaic.pose import Pose, Settings
 from signum.applications.pid import Gains, Pid
+from signum.frames.frame import Frame, Picture
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Prepared, Registrar, Registration
+from signum.tables.schemas import EDGES, POSES
+from signum.tables.table import Table
 from signum.world.scene import Camera, Vehicle
-from signum.sources.open import Frame, Picture
-from signum.report.rows import Table
-
-EDGES = "frame_a", "frame_b", "dx_px", "dy_px", "score", "margin", "accepted"
-"""Of `edges.csv`: where a's centre lands in b, minus b's centre, original pixels."""
-POSES = "frame", "x_px", "y_px", "rot_deg", "scale"
-"""Of `poses.csv`: the frame's centre in the mosaic plane, which is the pixel plane of the first frame."""
 
 
 @dataclass(frozen=True)
@@ -61,41 +58,6 @@ class Edge:
         """The row of the table; displacements of refused edges are what was refused, not to be used."""
         figures = [f"{self.dx_px:.2f}", f"{self.dy_px:.2f}", f"{self.score:.4f}", f"{self.margin:.4f}"]
         return [self.frame_a, self.frame_b, *figures, int(self.accepted)]
-
-
-@dataclass(frozen=True)
-class Pose:
-    """A placed frame: its centre in the mosaic plane, original pixels; as `POSES`."""
-
-    frame: str
-    x_px: float
-    y_px: float
-    rot_deg: float
-    scale: float
-
-    @property
-    def row(self) -> list[object]:
-        """The row of the table."""
-        return [self.frame, f"{self.x_px:.2f}", f"{self.y_px:.2f}", f"{self.rot_deg:.3f}", f"{self.scale:.5f}"]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a column is made.
-
-    Attributes:
-        step: share of the frame's width or height by which a stream's view moves before a frame is stored.
-        turn_deg: rotation at which it is stored all the same.
-        back: how many stored frames a new one is tried against before the chain is broken.
-        patience: frames of a stream that may be refused before a new piece begins.
-        reach: pixels of the board searched around a stream's predicted place.
-    """
-
-    step: float = 1 / 3
-    turn_deg: float = 5.0
-    back: int = 3
-    patience: int = 15
-    reach: int = 24
 
 
 @dataclass(frozen=True, eq=False)

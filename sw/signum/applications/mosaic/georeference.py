@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import tifffile
 
-from signum.applications.mosaic.blend import Mosaic
-from signum.common.errors import SignumError
-from signum.geometry.similarity import Similarity
-from signum.applications.mosaic.column import Pose
-from signum.sources.open import Picture
 from signum.applications.mosaic.accuracy import Complex, Track, align
+from signum.applications.mosaic.blend import Mosaic
+from signum.applications.mosaic.pose import Pose
+from signum.common.errors import SignumError
+from signum.frames.frame import Picture
+from signum.geometry.similarity import Similarity
 
 PIXEL_SCALE, TIEPOINT, GEO_KEYS, GEO_TEXT, NO_DATA = 33550, 33922, 34735, 34737, 42113
 """TIFF tags: ModelPixelScaleTag, ModelTiepointTag, GeoKeyDirectoryTag, GeoAsciiParamsTag, GDAL_NODATA."""

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
-from signum.geometry.similarity import IDENTITY, Similarity
 from signum.applications.mosaic.links import Link
+from signum.geometry.similarity import IDENTITY, Similarity
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]

@@ -8,18 +8,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from signum.geometry.similarity import IDENTITY, Similarity
-from signum.applications.mosaic.column import Settings as ColumnSettings
-from signum.measure.register import Prepared, Registrar
 from signum.applications.mosaic.graph import ROBUST, Solution
 from signum.applications.mosaic.graph import solve as place_all
 from signum.applications.mosaic.links import LINKS, LIVE, Link
+from signum.applications.mosaic.pose import Settings as ColumnSettings
 from signum.applications.mosaic.shelf import Shelf
+from signum.geometry.similarity import IDENTITY, Similarity
+from signum.measure.register import Prepared, Registrar
 
 
 @dataclass(frozen=True)
 class Settings(ColumnSettings):
-    """How a survey is made; see also `sw.mosaic.Settings`.
+    """How a survey is made; see also `signum.applications.mosaic.pose.Settings`.
 
     Attributes:
         loops: whether links beside the sequence are looked for.

@@ -10,8 +10,8 @@ import numpy as np
 
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
-from signum.applications.mosaic.column import EDGES
 from signum.measure.register import Registration
+from signum.tables.schemas import EDGES
 
 LINKS = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed", "tried",
          "reason")

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from signum.geometry.similarity import IDENTITY, Similarity, overlap
 from signum.applications.mosaic.graph import precision
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.links import JOIN, LOOP, Link
+from signum.geometry.similarity import IDENTITY, Similarity, overlap
 
 
 class Loops:

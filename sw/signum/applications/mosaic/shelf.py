@@ -23,8 +23,8 @@ import cv2
 import numpy as np
 
 from signum.common.errors import SignumError
+from signum.frames.frame import Picture
 from signum.measure.register import Prepared, Registrar
-from signum.sources.open import Picture
 
 MADE = "mosaic*.png", "mosaic*.tif", "mosaic*.pgw", "poses*.csv", "accuracy*.csv"
 """Files made from those."""

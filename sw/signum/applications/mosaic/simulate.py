@@ -13,9 +13,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.frames.frame import Picture
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.geometry.similarity import Similarity
-from signum.sources.open import Picture
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor, photograph, quilt
 from signum.world.water import Water
 from signum.world.world import World

@@ -23,16 +23,17 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
-from signum.common.errors import SignumError
-from signum.geometry.similarity import IDENTITY, Similarity
-from signum.applications.mosaic.column import POSES, Pose
-from signum.measure.register import Prepared, Registrar
-from signum.sources.open import Frame, Picture
 from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece, Settings
 from signum.applications.mosaic.links import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
 from signum.applications.mosaic.loops import Loops
+from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.shelf import ResumeError, Run, write_picture, write_text
+from signum.common.errors import SignumError
+from signum.frames.frame import Frame, Picture
+from signum.geometry.similarity import IDENTITY, Similarity
+from signum.measure.register import Prepared, Registrar
+from signum.tables.schemas import POSES
 
 THUMB = 240
 """Longer side of the copies the growing mosaic is made of, pixels."""

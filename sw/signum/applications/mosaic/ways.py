@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from signum.geometry.similarity import Similarity
-from signum.applications.mosaic.column import Pose
 from signum.applications.mosaic.graph import chain
 from signum.applications.mosaic.ledger import Piece
 from signum.applications.mosaic.links import SEQUENCE
+from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.survey import Survey
+from signum.geometry.similarity import Similarity
 
 
 def by_sequence(survey: Survey, piece: Piece) -> list[Pose]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.errors import SignumError
-from signum.sources.open import Picture, grey, read_picture
+from signum.frames.frame import Picture, grey, read_picture
 
 CLOSED = 5
 """Pixels: dark specks up to this wide inside the mosaic are covered all the same."""

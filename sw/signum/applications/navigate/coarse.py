@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.navigate.chart import Chart, filled
+from signum.frames.frame import Picture
 from signum.geometry.similarity import Points, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query
-from signum.applications.navigate.chart import Chart, filled
 from signum.measure.register import ANYTHING
-from signum.sources.open import Picture
 
 SIDE = 160
 WINDOW = 32

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.frames.frame import Picture
 from signum.geometry.similarity import Points
-from signum.sources.open import Picture
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
-from signum.geometry.similarity import Similarity
 from signum.applications.navigate.chart import Chart
-from signum.sources.open import Picture
+from signum.frames.frame import Picture
+from signum.geometry.similarity import Similarity
 
 GREEN, YELLOW, RED = (80, 220, 60), (0, 220, 255), (60, 60, 240)
 

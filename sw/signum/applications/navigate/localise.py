@@ -22,11 +22,12 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from signum.geometry.similarity import Points, Similarity, fit, vote
-from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules
 from signum.applications.navigate.chart import Chart, filled
 from signum.applications.navigate.coarse import HALF, CoarseSearch, spread, whole
-from signum.sources.open import Fit, Picture
+from signum.frames.fit import Fit
+from signum.frames.frame import Picture
+from signum.geometry.similarity import Points, Similarity, fit, vote
+from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules
 
 MOST_WINDOWS = (9, 7)
 """Across and down."""

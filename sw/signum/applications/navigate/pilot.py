@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signum.geometry.similarity import Points, Similarity
 from signum.applications.navigate.localise import Localiser, Place
-from signum.sources.open import Picture
+from signum.frames.frame import Picture
+from signum.geometry.similarity import Points, Similarity
 
 PATIENCE = 3
 """Frames not found before everything is searched."""

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.mosaic.ledger import CURVED
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.conformal import Conformal
 from signum.applications.navigate.localise import Localiser, Place
 from signum.applications.navigate.pilot import Aim, PanTiltSteering, Pilot
 from signum.applications.navigate.truth import Array, Make, Taken, Truth, survey
-from signum.sources.open import Picture
-from signum.applications.mosaic.ledger import CURVED
+from signum.frames.frame import Picture
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, PanTilt, Vehicle

@@ -11,14 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.applications.mosaic.blend import bounds
-from signum.geometry.similarity import Points, Similarity
-from signum.measure.measurer import Measurer
-from signum.applications.navigate.chart import Chart
-from signum.measure.register import Registrar
-from signum.sources.open import Fit, Frame, Picture
 from signum.applications.mosaic.ledger import Settings
 from signum.applications.mosaic.survey import Survey
-from signum.world.camera import Pinhole, Sight
+from signum.applications.navigate.chart import Chart
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame, Picture
+from signum.geometry.camera import Sight
+from signum.geometry.similarity import Points, Similarity
+from signum.measure.measurer import Measurer
+from signum.measure.register import Registrar
+from signum.world.camera import Pinhole
 
 Array = NDArray[np.float64]
 Make = Callable[[tuple[int, int], float], Measurer]

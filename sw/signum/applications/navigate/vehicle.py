@@ -16,7 +16,8 @@ from signum.applications.navigate.localise import Localiser
 from signum.applications.navigate.pilot import Aim, Pilot
 from signum.applications.navigate.simulate import Step
 from signum.applications.navigate.truth import Make, Taken, Truth, survey
-from signum.world.camera import LOOK_DOWN, Pinhole, rotation
+from signum.geometry.camera import LOOK_DOWN, rotation
+from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, Current, Vehicle
 from signum.world.water import COASTAL, Water

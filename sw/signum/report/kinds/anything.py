@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.report.page import Section, row, table
 from signum.report.columns import evenly, picture, read
+from signum.report.page import Section, row, table
 
 MOST_PICTURES = 12
 

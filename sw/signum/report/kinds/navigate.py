@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.page import Section, plot, row, table
 from signum.report.columns import picture, read
-from signum.report.rows import GOTO, NAVIGATE
+from signum.report.page import Section, plot, row, table
+from signum.tables.schemas import GOTO, NAVIGATE
 
 
 def sections(folder: Path) -> list[Section]:

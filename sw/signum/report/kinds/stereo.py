@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.page import Section, paragraph, plot, row, table
 from signum.report.columns import evenly, picture, read
-from signum.report.rows import DISPARITY
+from signum.report.page import Section, paragraph, plot, row, table
+from signum.tables.schemas import DISPARITY
 
 MOST_PICTURES = 6
 MOST_LINES = 40

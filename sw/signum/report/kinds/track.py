@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.page import Section, paragraph, plot, row, table
 from signum.report.columns import Columns, picture, read
-from signum.report.rows import DRIFT, TRACK
+from signum.report.page import Section, paragraph, plot, row, table
+from signum.tables.schemas import DRIFT, TRACK
 
 
 def sections(folder: Path) -> list[Section]:

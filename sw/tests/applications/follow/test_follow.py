@@ -7,16 +7,17 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pytest
 
-from signum.geometry.calibration import StereoGeometry
-from signum.measure.flow import FlowField
 from signum.applications.follow.follower import Follower, MotionEye, RangeEye, State, Target
 from signum.applications.follow.pilot import Felt, Pilot, Where
 from signum.applications.follow.segment import Segmented, by_motion, one_blob
 from signum.applications.follow.simulate import BASELINE_M, Chase, Row, follow, judge
 from signum.boards.golden import GoldenBoard
+from signum.frames.frame import Picture
+from signum.geometry.calibration import StereoGeometry
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
+from signum.measure.flow import FlowField
 from signum.measure.measurer import Measurer, View
-from signum.sources.open import Picture
-from signum.world.camera import LOOK_DOWN, Pinhole, Sight, rotation
+from signum.world.camera import Pinhole
 from signum.world.fish import Fish
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import AHEAD, DOWN, PanTilt, Vehicle

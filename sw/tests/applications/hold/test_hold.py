@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from signum.boards.golden import GoldenBoard
 from signum.applications.hold.keeper import Axes, Sensed, StationKeeper
 from signum.applications.hold.mavlink import MavlinkSink
 from signum.applications.hold.meter import Level, Reading, StationMeter
 from signum.applications.hold.simulate import Scenario, hold, judge
 from signum.applications.hold.tuning import PEAK, peaks, tune
+from signum.boards.golden import GoldenBoard
 from signum.measure.measurer import Measurer
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor

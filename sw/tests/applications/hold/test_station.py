@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from signum.applications.hold.station import Station, hold
 from signum.applications.pid import Gains, Pid
 from signum.boards.golden import GoldenBoard
 from signum.measure.measurer import Measurer
 from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
-from signum.applications.hold.station import Station, hold
 
 SIZE = 256, 192
 

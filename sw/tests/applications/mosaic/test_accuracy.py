@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import tifffile
 
-from signum.applications.mosaic.blend import Mosaic
-from signum.common.errors import SignumError
-from signum.geometry.similarity import Similarity
-from signum.applications.mosaic.column import Pose
 from signum.applications.mosaic.accuracy import Track, judge, read_track, rows
+from signum.applications.mosaic.blend import Mosaic
 from signum.applications.mosaic.georeference import by_log, by_range, world_of, write_geotiff, write_world_file
 from signum.applications.mosaic.links import LINKS, LOOP, Link, read_links
+from signum.applications.mosaic.pose import Pose
+from signum.common.errors import SignumError
+from signum.geometry.similarity import Similarity
 
 
 def _square(unit: float, turn_deg: float, nudge: complex = 0j) -> list[Pose]:

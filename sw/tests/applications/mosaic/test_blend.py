@@ -3,9 +3,9 @@
 import numpy as np
 
 from signum.applications.mosaic.blend import LOCAL_GAINS, compose, sketch
+from signum.frames.frame import Picture
 from signum.geometry.similarity import Similarity
 from signum.world.scene import gravel
-from signum.sources.open import Picture
 
 SIZE = 128, 96
 

@@ -10,15 +10,18 @@ import numpy as np
 import pytest
 
 from signum.applications.mosaic.blend import compose
-from signum.geometry.similarity import Similarity
+from signum.applications.mosaic.column import Column, fly
 from signum.boards.golden import GoldenBoard
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame
+from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
-from signum.applications.mosaic.column import EDGES, POSES, Column, fly
 from signum.measure.register import Registrar
+from signum.sources.open import open_source
+from signum.tables.schemas import EDGES, POSES
 from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
-from signum.sources.open import Fit, Frame, open_source
 
-SHARED = Path(__file__).resolve().parent.parent.parent / "shared" / "data"
+SHARED = Path(__file__).resolve().parents[5] / "shared" / "data"
 
 
 def _registrar(size: tuple[int, int], window: int = 64, sigma: float = 2.5) -> Registrar:

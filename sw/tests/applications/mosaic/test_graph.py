@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from signum.geometry.similarity import Similarity
 from signum.applications.mosaic.graph import FLOOR_PX, TOGETHER, chain, solve
 from signum.applications.mosaic.links import LOOP, Link
+from signum.geometry.similarity import Similarity
 
 SIZE = 400, 300
 CENTRE = (199.5, 149.5)

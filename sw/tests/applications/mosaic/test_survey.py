@@ -13,22 +13,24 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from signum.boards.board import BoardBase
-from signum.commands.cli import application
-from signum.geometry.similarity import Similarity
-from signum.boards.golden import GoldenBoard
-from signum.measure.measurer import Measurer
-from signum.measure.register import Registrar
-from signum.sources.open import Fit, Frame, open_source
 from signum.applications.mosaic.accuracy import judge, read_track
 from signum.applications.mosaic.ledger import Settings
 from signum.applications.mosaic.links import JOIN, SEQUENCE
 from signum.applications.mosaic.loops import Loops
-from signum.reproduce.reference import SHARED, read_pairs, residuals
 from signum.applications.mosaic.shelf import ResumeError
 from signum.applications.mosaic.simulate import Flown, Plan, fly
 from signum.applications.mosaic.survey import Survey
+from signum.boards.board import BoardBase
+from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
+from signum.commands.cli import application
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame
+from signum.geometry.similarity import Similarity
+from signum.measure.measurer import Measurer
+from signum.measure.register import Registrar
+from signum.reproduce.reference import SHARED, read_pairs, residuals
+from signum.sources.open import open_source
 
 app = application()
 

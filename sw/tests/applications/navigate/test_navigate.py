@@ -12,17 +12,17 @@ import pytest
 from numpy.typing import NDArray
 from typer.testing import CliRunner
 
-from signum.commands.cli import application
-from signum.geometry.similarity import Similarity
-from signum.boards.golden import GoldenBoard
-from signum.measure.measurer import Measurer
 from signum.applications.navigate.chart import Chart, ChartError
 from signum.applications.navigate.conformal import Conformal
 from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
 from signum.applications.navigate.pilot import Aim, PanTiltSteering, Pilot
 from signum.applications.navigate.simulate import PanTiltSite, Scene
 from signum.applications.navigate.vehicle import VehicleSteering
-from signum.sources.open import Fit
+from signum.boards.golden import GoldenBoard
+from signum.commands.cli import application
+from signum.frames.fit import Fit
+from signum.geometry.similarity import Similarity
+from signum.measure.measurer import Measurer
 from signum.world.seafloor import photograph
 
 app = application()

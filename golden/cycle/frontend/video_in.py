@@ -1,0 +1,204 @@
+"""Cycle model of `slog_video_in`."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+from golden.cycle.bits import Bits
+
+LINES = 3
+"""Lines the ring holds."""
+
+
+
+@dataclass(eq=False)
+class _Frame:
+    dead: bool = False
+
+
+
+@dataclass
+class _Line:
+    frame: _Frame
+    row: int
+    pixels: list[int]
+
+
+
+@dataclass
+class _Event:
+    """What a beat did, as the scheduler hears of it one clock later."""
+
+    commit: _Line | None = None
+    kill: _Frame | None = None
+    drops: int = 0
+
+
+
+@dataclass
+class _Tick:
+    """A line being issued; `line` is None for a filler."""
+
+    line: _Line | None
+    out: bool = False
+    col: int = 0
+
+
+
+@dataclass
+class _Output:
+    """The frame whose rows are being computed."""
+
+    frame: _Frame
+    row: int = 0
+    begun: bool = False
+
+
+
+@dataclass
+class _Issue:
+    px: Bits = field(default_factory=dict)
+    valid: int = 0
+    abort: int = 0
+
+
+
+class VideoInModel:
+    """Frames as objects: whatever belongs to a dead frame is discarded."""
+
+    INPUTS = ("rst_i", "tdata_i", "tvalid_i", "tuser_i", "tlast_i", "width_i", "height_i", "hold_i")
+    OUTPUTS = ("tready_o", "px_valid_o", "px_data_o", "px_col_o", "px_first_o", "px_last_o", "px_out_o", "px_bottom_o",
+               "px_dist_o", "px_live_o", "px_start_o", "px_done_o", "px_abort_o", "accepted_o", "dropped_o", "busy_o")
+    LATENCY = 6
+
+    def __init__(self, radius: int) -> None:
+        self.radius = radius
+        self.data: int | None = None
+        self.reads: list[int | None] = [None] * 3
+        self._reset()
+
+    def _reset(self) -> None:
+        self.state = "closed"
+        self.frame = _Frame()
+        self.line = _Line(self.frame, 0, [])
+        self.event = _Event()
+        self.owed, self.dropped = 0, 0
+        self.ring: deque[_Line] = deque()
+        self.tick: _Tick | None = None
+        self.read: _Line | None = None
+        self.out: _Output | None = None
+        self.pipe = [_Issue() for _ in range(3)]
+        self.accepted = 0
+
+    def step(self, i: dict[str, int]) -> Bits:
+        """Outputs of this clock, then the edge."""
+        event, shown = self.event, self.pipe[2]
+        if self.reads[2] is not None:
+            self.data = self.reads[2]
+        line = self.tick.line if self.tick else None
+        self.reads = [line.pixels[self.tick.col] if self.tick and line else None, *self.reads[:2]]
+        reading = self.tick is not None and self.tick.line is not None
+        ready = (len(self.ring) + reading + (event.commit is not None) != LINES
+                 and not (i["hold_i"] and self.state != "active"))
+        out: Bits = {
+            "tready_o": int(ready), "px_valid_o": shown.valid, "px_data_o": self.data,
+            **{f"px_{k}_o": shown.px.get(f"px_{k}_o") for k in ("col", "first", "last", "out", "bottom", "dist")},
+            **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
+            "px_abort_o": shown.abort, "accepted_o": self.accepted, "dropped_o": self.dropped,
+            "busy_o": int(self.state == "active" or event.commit is not None or bool(self.ring) or
+                          self.tick is not None or self.out is not None or
+                          any(p.valid or p.abort for p in self.pipe))}
+        if i["rst_i"]:
+            self._reset()
+            return out
+        self.dropped = int(event.drops > 0 or self.owed > 0)
+        self.owed = max(0, self.owed + event.drops - 1)
+        killed = event.kill
+        issue = self._issue(i, killed)
+        self._schedule(i, killed)
+        if killed:
+            killed.dead = True
+        if event.commit:
+            self.ring.append(event.commit)
+        self.pipe = [issue, *self.pipe[:2]]
+        self.accepted = int(issue.px.get("px_done_o") or 0)
+        self.event = self._receive(i) if ready and i["tvalid_i"] else _Event()
+        return out
+
+    def _receive(self, i: dict[str, int]) -> _Event:
+        """Judge one accepted beat."""
+        event = _Event()
+        start, end = i["tuser_i"], i["tlast_i"]
+        at_end = len(self.line.pixels) == i["width_i"] - 1
+        if (self.state == "active" and (start or end != at_end)) or (self.state == "closed" and not start):
+            event.kill, event.drops, self.state = self.frame, 1, "ignore"
+        if start:
+            self.frame = _Frame()
+            self.line = _Line(self.frame, 0, [i["tdata_i"]])
+            self.state = "active"
+            if end:
+                event.drops += 1
+                self.state = "ignore"
+        elif self.state == "active":
+            self.line.pixels.append(i["tdata_i"])
+            if end:
+                event.commit = self.line
+                self.line = _Line(self.frame, event.commit.row + 1, [])
+                if self.line.row == i["height_i"]:
+                    self.state = "closed"
+        return event
+
+    def _issue(self, i: dict[str, int], killed: _Frame | None) -> _Issue:
+        """Pixel issued in this clock; the output frame ends here, by its last pixel or by `killed`."""
+        issue, r, tick, o = _Issue(), self.radius, self.tick, self.out
+        dies = o is not None and o.frame is killed
+        if tick:
+            last = tick.col == i["width_i"] - 1
+            if tick.col == 0:
+                tick.out = o is not None
+            left = i["height_i"] - 1 - o.row if o else 0
+            live = o is not None and not dies
+            issue.valid = 1
+            issue.px = {
+                "px_col_o": tick.col, "px_first_o": int(tick.col == 0), "px_last_o": int(last),
+                "px_out_o": int(tick.out), "px_live_o": int(live),
+                "px_start_o": int(live and o is not None and not o.begun),
+                "px_done_o": int(live and last and left == 0),
+                # Of a line whose frame has died, or without an output row, the border is not defined.
+                "px_bottom_o": int(left < r) if o else None,
+                "px_dist_o": (left if left < r else min(o.row, r)) if o else None}
+            if o:
+                o.begun, begun = True, o.begun
+                if dies:
+                    issue.abort = int(begun)
+                if last and left == 0:
+                    self.out = None
+            tick.col += 1
+            if last:
+                self.tick = None
+        elif dies and o:
+            issue.abort = int(o.begun)
+        if dies:
+            self.out = None
+        return issue
+
+    def _schedule(self, i: dict[str, int], killed: _Frame | None) -> None:
+        """At a line boundary take the next line, or a filler."""
+        if self.tick:
+            return
+        o = self.out
+        if self.ring:
+            line = self.ring.popleft()
+            if line.frame.dead or line.frame is killed:
+                return
+            self.tick, self.read = _Tick(line), line
+            if line.row == self.radius:
+                self.out = _Output(line.frame)
+            elif o:
+                o.row += 1
+        elif o and self.state != "active":
+            mid_frame = self.read and self.read.row < i["height_i"] - 1 and not self.read.frame.dead
+            if not mid_frame:
+                self.tick = _Tick(None)
+                o.row += 1

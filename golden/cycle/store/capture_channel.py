@@ -1,0 +1,98 @@
+"""Cycle model of one camera's channel of `slog_capture`."""
+
+from __future__ import annotations
+
+from collections import deque
+
+FIFO_DEPTH = 4
+
+
+CHECK_CLOCKS = 5
+
+
+HOPS = 2
+"""Clocks that the queues' words are behind their levels."""
+
+
+IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
+
+
+
+class ChannelModel:
+    """One camera's captures; the fields are the registers of `slog_capture_channel`."""
+
+    def __init__(self, slot_words: int, words_per_row: int) -> None:
+        self.slot_words, self.words_per_row = slot_words, words_per_row
+        self.state, self.slot, self.check, self.was_valid, self.row, self.addr = IDLE, 0, 0, 0, 0, 0
+        self.busy: deque[int] = deque([0] * 3)  # of the three clocks before
+        self.came: tuple[int | None, int, int, int, int] = (None, 0, 0, 0, 0)  # what came in the clock before
+        self.push: tuple[int, int] | None = None  # goes into the queue
+        self.left = [False] * (HOPS + 1)  # finishing, and by clocks ago: the last word had left the queue
+        self.clears = self.restores = self.finishes = False  # what the slot's valid bit hears in this clock
+        self.fifo: deque[tuple[int, int]] = deque()
+
+    @property
+    def armed(self) -> bool:
+        """A request waits or is being served."""
+        return self.state != IDLE
+
+    @property
+    def writing(self) -> bool:
+        """From frame start to finish."""
+        return self.state in (CHECK, WRITE, FINISH)
+
+    def edge(self, *, rst: int, arm: bool, cancel: bool, slot: int, busy: int, valid: int, word: int | None, last: int,
+             start: int, done: int, abort: int, pop: bool) -> None:
+        """Take the clock edge."""
+        came = (None, 0, 0, 0, 0) if rst else (word, last, start, done, abort)
+        (word, last, start, done, abort), self.came = self.came, came
+        self.busy.appendleft(busy)
+        busy_before, busy = self.busy.pop(), self.busy[2]
+        starts = self.state == ARMED and bool(start) and not arm and not cancel and not rst
+        restores = (self.state == CHECK and self.check == 1 and bool(busy) and bool(self.was_valid) and not abort
+                    and not cancel and not rst)
+        if self.clears:
+            self.was_valid = valid
+        finished = self.finishes
+        finishes = self.state == FINISH and self.left[-1] and not finished and not cancel and not rst
+        left = [self.push is None and not self.fifo, *self.left[:-1]]
+        self.left = [self.state == FINISH and was and not rst for was in left]
+        self.clears, self.restores, self.finishes = starts, restores, finishes
+        arrived = self.push
+        self.push = (self.addr, word) if word is not None and self.state == WRITE and not rst else None
+        state, checked = self.state, self.check == 0
+        if state == ARMED:
+            self.check = CHECK_CLOCKS - 1
+            self.row = self.addr = self.slot * self.slot_words
+        else:
+            self.check = max(self.check - 1, 0)
+            if self.push:
+                if last:
+                    self.row += self.words_per_row
+                    self.addr = self.row
+                else:
+                    self.addr += 1
+        if rst or cancel:
+            self.state = IDLE
+        elif arm:
+            self.state = ARMED
+        elif state == ARMED:
+            self.state = CHECK if start else ARMED
+        elif state == CHECK:
+            if abort:
+                self.state = ARMED
+            elif checked:
+                self.state = ARMED if busy_before else WRITE
+        elif state == WRITE:
+            self.state = ARMED if abort else FINISH if done else WRITE
+        elif finished:
+            self.state = IDLE
+        if arm:
+            self.slot = slot
+        if rst:
+            self.fifo.clear()
+        else:
+            if pop:
+                self.fifo.popleft()
+            if arrived:
+                self.fifo.append(arrived)

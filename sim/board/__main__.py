@@ -1,0 +1,5 @@
+"""`python -m sim.board`: see `build`."""
+
+from sim.board.build import main
+
+raise SystemExit(main())

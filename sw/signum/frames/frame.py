@@ -1,0 +1,114 @@
+"""A frame, and what every source of frames offers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PilImage
+from PIL import UnidentifiedImageError
+
+from signum.common.errors import SourceError
+
+Picture = NDArray[np.uint8]
+"""uint8, (H, W) grey or (H, W, 3) blue, green, red."""
+
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture of a source."""
+
+    name: str
+    picture: Picture
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, pixels."""
+        return self.picture.shape[1], self.picture.shape[0]
+
+    @property
+    def grey(self) -> Picture:
+        """uint8 (H, W)."""
+        return grey(self.picture)
+
+
+
+def grey(picture: Picture) -> Picture:
+    """A picture without its colour: uint8 (H, W)."""
+    return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
+
+
+
+class Source(ABC):
+    """An ordered run of frames of one size."""
+
+    snapshots = False
+    """True where frames are pictures taken apart from one another, rather than a stream in which little moves between
+    two."""
+
+    def __init__(self, label: str, count: int | None) -> None:
+        self.label = label
+        """What to call it in messages."""
+        self.count = count
+        """Number of frames, where it is known."""
+
+    @abstractmethod
+    def _frames(self) -> Iterator[Frame]: ...
+
+    def __iter__(self) -> Iterator[Frame]:
+        """The frames, in order.
+
+        Raises:
+            SourceError: at the first frame that cannot be used.
+        """
+        first: Frame | None = None
+        for frame in self._frames():
+            first = first or frame
+            if frame.size != first.size:
+                raise SourceError(
+                    f"{self.label}: frame {frame.name} is {_by(frame.size)}, frame {first.name} is {_by(first.size)}: "
+                    "all frames must have one size; crop or scale the odd ones, or put them in a folder of their own")
+            yield frame
+        if first is None:
+            raise SourceError(f"{self.label}: no frames in it; give a folder of pictures or a video that plays")
+
+
+
+def read_picture(file: Path) -> Picture:
+    """Read an 8-bit picture, grey or colour.
+
+    Raises:
+        SourceError: if it is missing, broken, cut short, or not 8-bit.
+    """
+    if not file.exists():
+        raise SourceError(f"{file}: no such file; check the spelling")
+    try:  # OpenCV returns the part it could decode of a file cut short; Pillow says so
+        with PilImage.open(file) as check:
+            check.load()
+    except UnidentifiedImageError:
+        pass
+    except (OSError, SyntaxError) as error:
+        raise SourceError(f"{file}: broken or cut short; copy it again or take it out") from error
+    raw = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
+    if raw is None:
+        raise SourceError(f"{file}: cannot be read: not a picture, or broken; copy it again or take it out")
+    if raw.dtype != np.uint8:
+        bits = 8 * raw.dtype.itemsize
+        raise SourceError(f"{file}: a {bits}-bit picture; signum takes 8-bit grey or colour: "
+                          f"convert it, e.g. `convert {file.name} -normalize -depth 8 {file.stem}_8bit.png`")
+    if raw.ndim == 3 and raw.shape[2] == 4:
+        raw = raw[:, :, :3]
+    elif raw.ndim == 3 and raw.shape[2] != 3:
+        raw = raw[:, :, 0]
+    return np.ascontiguousarray(raw, np.uint8)
+
+
+
+def _by(size: tuple[int, int]) -> str:
+    return f"{size[0]}x{size[1]}"

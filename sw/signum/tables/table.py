@@ -1,0 +1,25 @@
+"""A CSV file on disk."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+
+class Table:
+    """A CSV file that is good after every row."""
+
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self._file = path.open("w", newline="", encoding="utf-8")
+        self._rows = csv.writer(self._file)
+        self.write(columns)
+
+    def write(self, row: Sequence[object]) -> None:
+        """Append a row and push it to the disk."""
+        self._rows.writerow(row)
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
