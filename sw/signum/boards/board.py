@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from golden.correlate import Job, Result
 from golden.params import Config
+from signum.common.arrays import Image
 
-Image = NDArray[np.uint8]
 Surface = NDArray[np.int32]
 
 MIN_SIGMA, MAX_SIGMA = 1.0, 4.0

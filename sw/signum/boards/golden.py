@@ -18,7 +18,8 @@ from collections.abc import Sequence
 from golden import correlate, log
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
-from signum.boards.board import BoardBase, Image, Surface
+from signum.boards.board import BoardBase, Surface
+from signum.common.arrays import Image
 
 PIPELINE_CLOCKS = 64
 """Clocks from the last pixel of a flushed frame to a valid slot: about the depth of the LoG pipeline."""

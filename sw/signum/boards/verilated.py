@@ -9,7 +9,8 @@ from pathlib import Path
 from golden import log
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
-from signum.boards.board import BoardBase, BoardError, Image, Surface
+from signum.boards.board import BoardBase, BoardError, Surface
+from signum.common.arrays import Image
 from sim.board.build import BuildError
 from sim.board.device import Device, DeviceError
 from sim.registers.map import fields

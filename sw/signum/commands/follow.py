@@ -28,10 +28,11 @@ from signum.commands.common import (
     fit_to,
     guarded,
 )
+from signum.common.arrays import Image
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.frames.fit import Fit
-from signum.frames.frame import Frame, Picture
+from signum.frames.frame import Frame
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.measure.measurer import Measurer
 from signum.report.page import Section, write_page
@@ -132,9 +133,9 @@ def _watch(board: BoardBase, source: str, right: str | None, calibration: Path |
         eye = RangeEye(measurer, scaled, nearer, window=window or RANGE_WINDOW)
     total = frames.count if seconds is None else min(round(seconds * rate), frames.count or round(seconds * rate))
     names: list[str] = []
-    shown: list[Picture] = []
+    shown: list[Image] = []
 
-    def pictures() -> Iterator[tuple[Picture, ...]]:
+    def pictures() -> Iterator[tuple[Image, ...]]:
         partners = iter(others) if others is not None else iter(())
         stop = total if seconds is not None else None
         pairs: Iterator[tuple[Frame, Frame | None]] = (
@@ -164,7 +165,7 @@ def _watch(board: BoardBase, source: str, right: str | None, calibration: Path |
     _done(board, output, record)
 
 
-def _prepared(one: Frame, two: Frame | None, rectifier: Rectifier | None, fit: Fit) -> tuple[Picture, ...]:
+def _prepared(one: Frame, two: Frame | None, rectifier: Rectifier | None, fit: Fit) -> tuple[Image, ...]:
     if rectifier is None or two is None:
         return (fit.show(one.picture),)
     return tuple(fit.show(p) for p in rectifier(one.grey, two.grey))

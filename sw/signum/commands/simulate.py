@@ -18,9 +18,9 @@ from signum.applications.follow.simulate import follow as chase_fish
 from signum.applications.hold.simulate import Scenario
 from signum.applications.hold.simulate import hold as keep_station
 from signum.commands.common import BoardName, OutOption, app, board_of, guarded
+from signum.common.arrays import Image
 from signum.common.console import out, progress
 from signum.common.errors import SignumError
-from signum.frames.frame import Picture
 from signum.measure.measurer import Measurer
 from signum.sources.simulated import Survey
 from signum.tables.table import Table
@@ -116,7 +116,7 @@ class Reel:
                            *("" if math.isnan(still.truth[c]) else f"{still.truth[c]:.5f}" for c in self._columns)])
         self.count += 1
 
-    def _open(self, name: str, frame: Picture) -> None:
+    def _open(self, name: str, frame: Image) -> None:
         if self.pictures:
             folder = self.folder / name
             folder.mkdir(exist_ok=True)

@@ -25,10 +25,11 @@ from signum.commands.common import (
     guarded,
     write_report,
 )
+from signum.common.arrays import Image
 from signum.common.console import notes, out, progress
 from signum.common.errors import SourceError
 from signum.frames.fit import Fit
-from signum.frames.frame import Frame, Picture, Source, grey
+from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.measure.measurer import Measurer
 from signum.measure.stereo import RangeMap, draw_range, measure_range, write_ply
@@ -95,7 +96,7 @@ def stereo(
     out.print(f"{output / 'disparity.csv'}: {done} pairs, {np.mean(shares):.0%} of the windows valid")
 
 
-def _pairs(sources: tuple[Source, Source], rig: Rectifier | None) -> Iterator[tuple[str, tuple[Picture, Picture]]]:
+def _pairs(sources: tuple[Source, Source], rig: Rectifier | None) -> Iterator[tuple[str, tuple[Image, Image]]]:
     """Grey pictures of both sources, rectified, by the left one's name."""
     for a, b in zip_longest(*sources):
         if a is None or b is None:
@@ -117,7 +118,7 @@ def _disparities(fit: Fit, least: int, most: int | None) -> tuple[int, int]:
     return low, high
 
 
-def _write(output: Path, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Picture
+def _write(output: Path, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Image
            ) -> None:
     whole = found.to_source(fit)
     values = whole.disparity if geometry is None else geometry.depth(whole.disparity)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.hold.station import Moment
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.measure.flow import FlowField
 from signum.measure.track import TrackPoint
 
@@ -74,17 +73,17 @@ class Flight:
     sigma: float
     window: int
     phases: list[Phase] = field(default_factory=list)
-    stage: tuple[Picture, Picture] | None = None
-    snow: tuple[Picture, Picture, Picture, Picture] | None = None
+    stage: tuple[Image, Image] | None = None
+    snow: tuple[Image, Image, Image, Image] | None = None
     agreement: tuple[float, float] = (0.0, 0.0)
-    flow: tuple[Picture, Picture, FlowField, tuple[float, float]] | None = None
-    first: Picture | None = None
-    last: Picture | None = None
+    flow: tuple[Image, Image, FlowField, tuple[float, float]] | None = None
+    first: Image | None = None
+    last: Image | None = None
     initial: list[TrackPoint] = field(default_factory=list)
     points: list[TrackPoint] = field(default_factory=list)
-    errors: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    errors: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     tracked: tuple[int, int] = (0, 0)
-    mosaic: Picture | None = None
+    mosaic: Image | None = None
     poses: list[tuple[tuple[float, float], tuple[float, float]]] = field(default_factory=list)
     edges: tuple[int, int] = (0, 0)
     held: list[Moment] = field(default_factory=list)

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.hold.station import hold
 from signum.applications.mosaic.column import Column, fly
 from signum.boards.board import Board
+from signum.common.arrays import Floats
 from signum.demo.flight import (
     DT,
     FEATURES,
@@ -116,7 +116,7 @@ def _track(flight: Flight, board: Board, camera: Camera, out: Path, step: Callab
     settings = TrackSettings(window=flight.window, features=FEATURES)
     tracker = Tracker(Measurer(board, camera.size, flight.sigma), settings)
     pictures, poses = [], []
-    born: dict[int, tuple[int, NDArray[np.float64]]] = {}
+    born: dict[int, tuple[int, Floats]] = {}
     errors = []
     measured = valid = 0
     table = Table(out / "track.csv", TRACK)
@@ -185,7 +185,7 @@ def _station(flight: Flight, board: Board, camera: Camera, step: Callable[[str],
             step(f"{100 * float(np.hypot(*moment.true)):.1f} cm off" + ("" if control else ", drifting free"))
 
 
-def _seen(camera: Camera, then: Pose, now: Pose, at: NDArray[np.float64]) -> NDArray[np.float64]:
+def _seen(camera: Camera, then: Pose, now: Pose, at: Floats) -> Floats:
     """Where what was at pixel `at` of the view from `then` is in the view from `now`."""
     there, here = camera.matrix(then), camera.matrix(now)
     ground = there[:, :2] @ at + there[:, 2]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from signum.common.arrays import Image
 from signum.demo.flight import Flight
-from signum.frames.frame import Picture
 from signum.measure.flow import draw_flow
 from signum.report.draw import draw_tracks
 
@@ -14,7 +14,7 @@ HEIGHT = 400
 GAP = 8
 
 
-def overview(flight: Flight) -> Picture:
+def overview(flight: Flight) -> Image:
     """Panels side by side, uint8 (H, W, 3): a frame over its signs, flow over tracks, the mosaic.
 
     Args:
@@ -28,7 +28,7 @@ def overview(flight: Flight) -> Picture:
     return np.asarray(np.hstack([_column(panels) for panels in columns])[:, :-GAP], np.uint8)
 
 
-def _column(panels: list[Picture]) -> Picture:
+def _column(panels: list[Image]) -> Image:
     """Panels above one another, all as wide, HEIGHT pixels high together, with a gap to the right."""
     room = (HEIGHT - GAP * (len(panels) - 1)) // len(panels)
     shown = []

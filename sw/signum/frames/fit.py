@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from golden.params import Config
+from signum.common.arrays import Floats, Image
 from signum.common.errors import SourceError
-from signum.frames.frame import Picture, _by, grey
+from signum.frames.frame import _by, grey
 
 
 @dataclass(frozen=True)
@@ -65,19 +65,19 @@ class Fit:
         """Whether the frames are scaled at all."""
         return self.source != self.board
 
-    def show(self, picture: Picture) -> Picture:
+    def show(self, picture: Image) -> Image:
         """The frame for the board: grey uint8 (board height, board width)."""
         image = grey(picture)
         if not self.scaled:
             return np.ascontiguousarray(image)
         return np.asarray(cv2.resize(image, self.board, interpolation=cv2.INTER_AREA), np.uint8)
 
-    def to_source(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def to_source(self, points: Floats) -> Floats:
         """Positions (..., 2) of the board's image in original pixels."""
         k = np.array(self.factor)
         return np.asarray((points + 0.5) * k - 0.5, np.float64)
 
-    def to_board(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def to_board(self, points: Floats) -> Floats:
         """Positions (..., 2) of the original in pixels of the board's image."""
         k = np.array(self.factor)
         return np.asarray((points + 0.5) / k - 0.5, np.float64)

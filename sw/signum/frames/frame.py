@@ -9,15 +9,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import UnidentifiedImageError
 
+from signum.common.arrays import Image
 from signum.common.errors import SourceError
-
-Picture = NDArray[np.uint8]
-"""uint8, (H, W) grey or (H, W, 3) blue, green, red."""
-
 
 
 @dataclass(frozen=True)
@@ -25,7 +21,7 @@ class Frame:
     """One picture of a source."""
 
     name: str
-    picture: Picture
+    picture: Image
 
     @property
     def size(self) -> tuple[int, int]:
@@ -33,13 +29,13 @@ class Frame:
         return self.picture.shape[1], self.picture.shape[0]
 
     @property
-    def grey(self) -> Picture:
+    def grey(self) -> Image:
         """uint8 (H, W)."""
         return grey(self.picture)
 
 
 
-def grey(picture: Picture) -> Picture:
+def grey(picture: Image) -> Image:
     """A picture without its colour: uint8 (H, W)."""
     return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
 
@@ -80,7 +76,7 @@ class Source(ABC):
 
 
 
-def read_picture(file: Path) -> Picture:
+def read_picture(file: Path) -> Image:
     """Read an 8-bit picture, grey or colour.
 
     Raises:

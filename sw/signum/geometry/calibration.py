@@ -7,12 +7,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from signum.common.arrays import Floats, Image
 from signum.common.errors import SignumError
-
-Image = NDArray[np.uint8]
-Matrix = NDArray[np.float64]
 
 
 class CalibrationError(SignumError):
@@ -40,14 +37,14 @@ class StereoGeometry:
         centre = ((self.centre[0] + 0.5) / factor[0] - 0.5, (self.centre[1] + 0.5) / factor[1] - 0.5)
         return StereoGeometry(self.focal / factor[0], self.baseline, centre, self.shift / factor[0])
 
-    def depth(self, disparity: Matrix) -> Matrix:
+    def depth(self, disparity: Floats) -> Floats:
         """Metres along the optical axis of disparities in pixels, any shape; NaN where there is none that is
         positive."""
         d = np.asarray(disparity, np.float64) + self.shift
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(d > 0, self.focal * self.baseline / d, np.nan)
 
-    def points(self, x: Matrix, y: Matrix, disparity: Matrix) -> Matrix:
+    def points(self, x: Floats, y: Floats, disparity: Floats) -> Floats:
         """Points (n, 3), metres, right, down and forward of the left camera, of pixels x, y (n,) with disparities
         (n,)."""
         z = self.depth(disparity)
@@ -60,7 +57,7 @@ class Rectifier:
 
     geometry: StereoGeometry
     size: tuple[int, int]
-    maps: tuple[tuple[Matrix, Matrix], tuple[Matrix, Matrix]]
+    maps: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
 
     def __call__(self, left: Image, right: Image) -> tuple[Image, Image]:
         """Rectified pair, uint8 (height, width) of the calibration's size.
@@ -89,7 +86,7 @@ def _open(path: Path) -> cv2.FileStorage:
     return storage
 
 
-def _matrix(storage: cv2.FileStorage, path: Path, *names: str) -> Matrix:
+def _matrix(storage: cv2.FileStorage, path: Path, *names: str) -> Floats:
     for name in names:
         node = storage.getNode(name)
         if not node.empty():
@@ -107,7 +104,7 @@ def _size(storage: cv2.FileStorage, path: Path) -> tuple[int, int]:
     raise CalibrationError(f"{path}: has no image_width and image_height")
 
 
-def read_mono(path: Path) -> tuple[Matrix, Matrix, tuple[int, int]]:
+def read_mono(path: Path) -> tuple[Floats, Floats, tuple[int, int]]:
     """Camera matrix (3, 3), distortion coefficients and image size of a single camera.
 
     Accepts the names `camera_matrix` and `distortion_coefficients` (OpenCV's sample) or `K` and `D`.
@@ -139,7 +136,7 @@ def read_stereo(path: Path) -> Rectifier:
     geometry = StereoGeometry(float(p1[0, 0]), float(baseline), (float(p1[0, 2]), float(p1[1, 2])),
                               float(p2[0, 2] - p1[0, 2]))
 
-    def maps(k: Matrix, d: Matrix, r: object, p: object) -> tuple[Matrix, Matrix]:
+    def maps(k: Floats, d: Floats, r: object, p: object) -> tuple[Floats, Floats]:
         x, y = cv2.initUndistortRectifyMap(k, d, np.asarray(r), np.asarray(p), size, cv2.CV_32FC1)
         return np.asarray(x), np.asarray(y)
 

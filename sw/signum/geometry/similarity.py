@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Points = NDArray[np.float64]
+from signum.common.arrays import Complexes, Floats
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class Similarity:
         return Similarity(1 / self.factor, -self.shift / self.factor)
 
     @property
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Floats:
         """2x3, as OpenCV's warps take it."""
         a, t = self.factor, self.shift
         return np.array([[a.real, -a.imag, t.real], [a.imag, a.real, t.imag]])
 
-    def __call__(self, points: Points) -> Points:
+    def __call__(self, points: Floats) -> Floats:
         """Points moved."""
         return _points(self.factor * _complex(points) + self.shift)
 
@@ -62,7 +62,7 @@ class Similarity:
 IDENTITY = Similarity()
 
 
-def corners(size: tuple[int, int]) -> Points:
+def corners(size: tuple[int, int]) -> Floats:
     """Centres of the corner pixels of a picture (width, height), (4, 2), going round."""
     right, bottom = size[0] - 1, size[1] - 1
     return np.array([[0, 0], [right, 0], [right, bottom], [0, bottom]], np.float64)
@@ -98,8 +98,8 @@ class FitResult:
 
 
 def vote(
-    p: Points,
-    q: Points,
+    p: Floats,
+    q: Floats,
     tolerance: float,
     max_rot_deg: float,
     max_zoom: float,
@@ -131,7 +131,7 @@ def vote(
     return Similarity(complex(factors[best]), complex(shifts[best])), agree[best]
 
 
-def fit(p: Points, q: Points, start: Similarity, tolerance: float, max_rot_error_deg: float = 1.0) -> FitResult:
+def fit(p: Floats, q: Floats, start: Similarity, tolerance: float, max_rot_error_deg: float = 1.0) -> FitResult:
     """Least squares with Tukey weights from a good start, agreeing pairs chosen anew each round.
 
     Rotation and zoom are fitted where the agreeing points lie far enough apart for the rotation's standard error to
@@ -165,7 +165,7 @@ def fit(p: Points, q: Points, start: Similarity, tolerance: float, max_rot_error
     return FitResult(found, agree, rms, turning)
 
 
-def _solve(a: NDArray[np.complex128], b: NDArray[np.complex128], weight: NDArray[np.float64], turn: bool) -> Similarity:
+def _solve(a: Complexes, b: Complexes, weight: Floats, turn: bool) -> Similarity:
     weight = weight / weight.sum()
     ca, cb = complex(weight @ a), complex(weight @ b)
     if not turn:
@@ -175,9 +175,9 @@ def _solve(a: NDArray[np.complex128], b: NDArray[np.complex128], weight: NDArray
     return Similarity(factor, cb - factor * ca)
 
 
-def _complex(points: Points) -> NDArray[np.complex128]:
+def _complex(points: Floats) -> Complexes:
     return np.asarray(points[..., 0] + 1j * points[..., 1], np.complex128)
 
 
-def _points(values: NDArray[np.complex128]) -> Points:
+def _points(values: Complexes) -> Floats:
     return np.stack([values.real, values.imag], axis=-1)

@@ -8,10 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.common.arrays import Floats, Image
 from signum.measure.measurer import Measurer, Query, Rules, View
-
-Float = NDArray[np.float64]
-Picture = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,11 +22,11 @@ class FlowField:
         score: (ny, nx) matching fraction.
     """
 
-    x: Float
-    y: Float
-    dx: Float
-    dy: Float
-    score: Float
+    x: Floats
+    y: Floats
+    dx: Floats
+    dy: Floats
+    score: Floats
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -72,7 +70,7 @@ def measure_flow(
                               for v in y for u in x], rules)
     shape = (y.size, x.size)
 
-    def grid(values: list[float]) -> Float:
+    def grid(values: list[float]) -> Floats:
         return np.array(values).reshape(shape)
 
     dx, dy = (grid([v if m.valid else np.nan for m, v in zip(found, values, strict=True)])
@@ -82,7 +80,7 @@ def measure_flow(
     return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, grid([m.score for m in found]))
 
 
-def _agreeing(dx: Float, dy: Float) -> NDArray[np.int64]:
+def _agreeing(dx: Floats, dy: Floats) -> NDArray[np.int64]:
     """How many of the eight neighbours of each window agree with it: within a pixel and a quarter of its motion."""
     motion = np.pad(dx + 1j * dy, 1, constant_values=complex(np.nan, np.nan))
     here = motion[1:-1, 1:-1]
@@ -95,7 +93,7 @@ def _agreeing(dx: Float, dy: Float) -> NDArray[np.int64]:
     return count
 
 
-def draw_flow(frame: Picture, field: FlowField, magnify: float = 2.0) -> Picture:
+def draw_flow(frame: Image, field: FlowField, magnify: float = 2.0) -> Image:
     """The field as arrows on its first frame, as in the paper's figure 6.
 
     Args:

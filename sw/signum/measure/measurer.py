@@ -18,7 +18,8 @@ import numpy as np
 
 from golden.correlate import Job, Result, Status
 from golden.params import NO_SCORE
-from signum.boards.board import Board, Image, run_jobs
+from signum.boards.board import Board, run_jobs
+from signum.common.arrays import Image
 from signum.measure.subpixel import CONE_FROM, Fit, line_offset, peak_offsets
 
 

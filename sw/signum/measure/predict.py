@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from signum.common.arrays import Floats
 
 
 class SearchPredictor:
@@ -22,7 +21,7 @@ class SearchPredictor:
         self.floor, self.widest = floor, widest
         self.reach = widest
 
-    def learn(self, errors: Float, wanted: int) -> None:
+    def learn(self, errors: Floats, wanted: int) -> None:
         """Take in how far the found displacements were from the predicted ones.
 
         Args:

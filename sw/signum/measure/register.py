@@ -21,9 +21,9 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
+from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
-from signum.frames.frame import Picture
-from signum.geometry.similarity import IDENTITY, Points, Similarity, fit, vote
+from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, Reason, Rules, View
 
 COARSE_SIDE = 160
@@ -108,8 +108,8 @@ class Registration:
 class Prepared:
     """A picture as both levels see it: grey uint8."""
 
-    coarse: Picture
-    fine: Picture
+    coarse: Image
+    fine: Image
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class Registrar:
         self._measurer: Measurer | None = None
         self._reference: tuple[Prepared, Similarity, View] | None = None
         size = np.array(fine.source, np.float64)
-        self.centre: Points = (size - 1) / 2
+        self.centre: Floats = (size - 1) / 2
 
     @classmethod
     def on(cls, measurer: Callable[[tuple[int, int], float], Measurer], fine: Fit, window: int,
@@ -154,7 +154,7 @@ class Registrar:
         longest = max(COARSE_SIDE, math.ceil(COARSE_LEAST * max(fine.source) / min(fine.source)))
         return cls(measurer, fine, fine.coarser(longest), window, sigma)
 
-    def prepare(self, picture: Picture) -> Prepared:
+    def prepare(self, picture: Image) -> Prepared:
         """A picture for `register`."""
         return Prepared(self.coarse.show(picture), self.fine.show(picture))
 
@@ -341,7 +341,7 @@ def _grid(window: Sequence[int], size: Sequence[int], counts: tuple[int, int]) -
     return [(int(x), int(y)) for y in down for x in across]
 
 
-def _warp(picture: Picture, level: Fit, turn: Similarity) -> Picture:
+def _warp(picture: Image, level: Fit, turn: Similarity) -> Image:
     """A board's picture turned by a similarity given in original pixels."""
     if turn == IDENTITY:
         return picture

@@ -16,12 +16,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
-from signum.frames.frame import Picture
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurement, Measurer, Query, Rules, View
 
-Float = NDArray[np.float64]
 SCALE_WIDTH = 64
 """Pixels of the colour scale beside a drawn map."""
 
@@ -39,11 +38,11 @@ class RangeMap:
         score: (ny, nx) matching fraction; margin: likewise, over the second peak.
     """
 
-    x: Float
-    y: Float
-    disparity: Float
-    score: Float
-    margin: Float
+    x: Floats
+    y: Floats
+    disparity: Floats
+    score: Floats
+    margin: Floats
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -56,7 +55,7 @@ class RangeMap:
         return RangeMap(fit.to_source(xs)[:, 0], fit.to_source(ys)[:, 1], self.disparity * fit.factor[0], self.score,
                         self.margin)
 
-    def points(self, geometry: StereoGeometry) -> Float:
+    def points(self, geometry: StereoGeometry) -> Floats:
         """Valid points (n, 3), metres, right, down and forward of the left camera."""
         ys, xs = np.nonzero(self.valid)
         points = geometry.points(self.x[xs], self.y[ys], self.disparity[ys, xs])
@@ -107,18 +106,18 @@ def measure_range(
                     np.array([m.margin for m in found]).reshape(shape))
 
 
-def _disparities(found: list[Measurement]) -> Float:
+def _disparities(found: list[Measurement]) -> Floats:
     return np.array([-m.dx_px if m.valid else np.nan for m in found])
 
 
-def write_ply(path: Path, points: Float) -> None:
+def write_ply(path: Path, points: Floats) -> None:
     """Write points (n, 3) in metres as an ASCII PLY file."""
     header = (f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
               "property float x\nproperty float y\nproperty float z\nend_header\n")
     path.write_text(header + "".join(f"{x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in points))
 
 
-def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Picture) -> Picture:
+def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Image) -> Image:
     """The map in colour over the left picture, with its scale: metres with a geometry, pixels of disparity without.
 
     Args:
@@ -152,7 +151,7 @@ def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Pictur
     return np.hstack([out, scale])
 
 
-def _colour(share: float, sign: float) -> NDArray[np.uint8]:
+def _colour(share: float, sign: float) -> Image:
     """Blue (0) to red (1), or the other way round for a negative sign; uint8 (3,)."""
     share = min(max(share, 0.0), 1.0)
     level = np.array([[round(255 * (share if sign > 0 else 1 - share))]], np.uint8)

@@ -14,7 +14,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Float = NDArray[np.float64]
+from signum.common.arrays import Floats
+
 Fit = Literal["auto", "cone", "parabola"]
 
 CONE_FROM = 0.8
@@ -27,7 +28,7 @@ _ROUND = 0.2
 """Square of the radius of the cone's round tip, px^2: from 0.1 to 0.4 serves as well."""
 
 
-def peak_offsets(patches: NDArray[np.generic], area: Float | float, fit: Fit = "auto") -> Float:
+def peak_offsets(patches: NDArray[np.generic], area: Floats | float, fit: Fit = "auto") -> Floats:
     """Offsets (x, y) of the peaks from their centre pixels, pixels, within +-0.75.
 
     Args:
@@ -56,7 +57,7 @@ def line_offset(before: float, best: float, after: float, fit: Literal["cone", "
     return 0.5 * (after - before) / drop if drop > 0 else 0.0
 
 
-def _paraboloid(scores: Float) -> Float:
+def _paraboloid(scores: Floats) -> Floats:
     """Top of the least-squares quadratic through all nine scores."""
     _, cx, cy, cxx, cxy, cyy = _QUADRATIC @ scores.T
     det = 4 * cxx * cyy - cxy**2
@@ -66,7 +67,7 @@ def _paraboloid(scores: Float) -> Float:
     return np.clip(np.where(peaked[:, None], top, 0.0), -_MOST, _MOST)
 
 
-def _cone(scores: Float, rounds: int = 8) -> Float:
+def _cone(scores: Floats, rounds: int = 8) -> Floats:
     """Tip of the least-squares elliptic cone h - sqrt(|L'(p - tip)|^2 + s^2), round at its tip, by damped Gauss-Newton.
 
     L = [[a, 0], [c, b]] holds the slopes: along an edge the score falls slower than across it. s is the root mean

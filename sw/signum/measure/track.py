@@ -24,9 +24,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.boards.board import Image
+from signum.common.arrays import Floats, Image
 from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, View, white_match
-from signum.measure.predict import Float, SearchPredictor
+from signum.measure.predict import SearchPredictor
 
 PRECISE_PX = 1.8
 """Of the original picture: 2 px, less what the reference it is compared with is off itself."""
@@ -84,7 +84,7 @@ class _Fix:
     """A position and what is known of its error: `noise` adds up in squares from link to link, `bias` linearly
     (pixels)."""
 
-    position: Float
+    position: Floats
     noise: float = 0.0
     bias: float = 0.0
     links: int = 0
@@ -94,7 +94,7 @@ class _Fix:
         """Distance that 98 % of such positions are within: 2.4 times the median one (Rayleigh)."""
         return 2.4 * float(np.hypot(self.noise, self.bias))
 
-    def linked(self, step: Float, score: float, apart: float, sigma: float, window: int) -> _Fix:
+    def linked(self, step: Floats, score: float, apart: float, sigma: float, window: int) -> _Fix:
         """The fix one measurement further on.
 
         Measured on real seabed (two surveys, gaps of 1 to 12 frames, sigma 2.5, 64x64 windows): the median error of the
@@ -125,11 +125,11 @@ class _Anchor:
 @dataclass(eq=False)
 class _Feature:
     number: int
-    home: Float
+    home: Floats
     first: View
     """Its initial picture."""
     fix: _Fix
-    velocity: Float
+    velocity: Floats
     found: bool = True
     """Whether its last position was measured."""
     flagged: int = 0
@@ -147,7 +147,7 @@ class _Pin:
     apart: float = 0.0
 
     @property
-    def step(self) -> Float:
+    def step(self) -> Floats:
         """Displacement, pixels."""
         return np.array([self.whole.dx_px, self.whole.dy_px])
 
@@ -157,7 +157,7 @@ class _Motion:
     """How a feature moved since the last frame: measured, or carried along by the others. `whole` is the
     measurement."""
 
-    step: Float
+    step: Floats
     measured: bool
     pin: _Pin
 
@@ -348,7 +348,7 @@ class Tracker:
         return points
 
 
-def _query(reference: View, live: View, position: Float, window: int, guess: Float, reach: int) -> Query:
+def _query(reference: View, live: View, position: Floats, window: int, guess: Floats, reach: int) -> Query:
     x, y = (round(float(v)) for v in position)
     return Query(reference, live, x, y, window, window, (float(guess[0]), float(guess[1])), (reach, reach))
 
@@ -359,7 +359,7 @@ def _point(f: _Feature, answer: Measurement, reason: str) -> TrackPoint:
                       answer.margin, not reason, f.fix.links, f.fix.error, reason)
 
 
-def _common_motion(places: Float, steps: Float, valid: NDArray[np.bool_], everywhere: Float) -> Float:
+def _common_motion(places: Floats, steps: Floats, valid: NDArray[np.bool_], everywhere: Floats) -> Floats:
     """What the valid steps at `places` say about the motion `everywhere`: an affine field through most of them, or
     their median."""
     known = int(valid.sum())
@@ -372,7 +372,7 @@ def _common_motion(places: Float, steps: Float, valid: NDArray[np.bool_], everyw
     return np.broadcast_to(np.median(steps[valid], axis=0), everywhere.shape).astype(np.float64)
 
 
-def _grid(size: tuple[int, int], window: int, wanted: int) -> Float:
+def _grid(size: tuple[int, int], window: int, wanted: int) -> Floats:
     """About `wanted` window centres, evenly over the picture, whole windows with a little air; (n, 2)."""
     spans = [max(n - window - 8, 0) for n in size]
     pitch = max(window / 4, np.sqrt(max(spans[0], 1) * max(spans[1], 1) / max(wanted, 1)))

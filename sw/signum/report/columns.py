@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.common.arrays import Floats, Image
 from signum.common.errors import SignumError
-from signum.frames.frame import Picture
 from signum.report.page import figure
 
 WIDEST = 1400
@@ -30,7 +30,7 @@ class Columns:
         """Their number."""
         return len(self.text[self.names[0]]) if self.names else 0
 
-    def numbers(self, name: str) -> NDArray[np.float64]:
+    def numbers(self, name: str) -> Floats:
         """A column as numbers; NaN where it is empty or none."""
         return np.array([_number(v) for v in self.text[name]], np.float64)
 
@@ -64,7 +64,7 @@ def picture(path: Path, caption: str = "") -> str:
     if image is None:
         return ""
     deep = image.dtype != np.uint8
-    shown: Picture = np.asarray(cv2.convertScaleAbs(image, alpha=1 / 256) if deep else image, np.uint8)
+    shown: Image = np.asarray(cv2.convertScaleAbs(image, alpha=1 / 256) if deep else image, np.uint8)
     scale = WIDEST / shown.shape[1]
     if scale < 1:
         size = (WIDEST, max(1, round(shown.shape[0] * scale)))

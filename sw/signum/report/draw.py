@@ -8,14 +8,14 @@ import cv2
 import numpy as np
 
 from golden import log
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 from signum.measure.track import TrackPoint
 
 GAP = 6
 YELLOW, GREEN, RED = (0, 220, 255), (80, 220, 60), (60, 60, 240)
 
 
-def stages(image: Picture, signs: Picture, sigma: float) -> list[tuple[str, Picture]]:
+def stages(image: Image, signs: Image, sigma: float) -> list[tuple[str, Image]]:
     """The paper's figure 3: the image, smoothed, its Laplacian of Gaussian (mid grey is 0), and the board's signs.
 
     Args:
@@ -31,7 +31,7 @@ def stages(image: Picture, signs: Picture, sigma: float) -> list[tuple[str, Pict
             ("Laplacian of Gaussian", shown.astype(np.uint8)), ("sign", signs * np.uint8(255))]
 
 
-def stage_panel(image: Picture, signs: Picture, sigma: float) -> Picture:
+def stage_panel(image: Image, signs: Image, sigma: float) -> Image:
     """The stages side by side, two by two: uint8 (H', W')."""
     tiles = []
     for name, tile in stages(image, signs, sigma):
@@ -42,7 +42,7 @@ def stage_panel(image: Picture, signs: Picture, sigma: float) -> Picture:
     return np.vstack([np.hstack(tiles[:2]), np.hstack(tiles[2:])])
 
 
-def write_line(canvas: Picture, words: str, size: float) -> None:
+def write_line(canvas: Image, words: str, size: float) -> None:
     """Write words along the lower edge of a picture, white with a dark edge.
 
     The edge is the letters' own, widened: a bolder font is a longer one too.
@@ -60,7 +60,7 @@ def write_line(canvas: Picture, words: str, size: float) -> None:
         foot[:] = np.rint(foot * (1 - share) + level * share)
 
 
-def draw_tracks(image: Picture, points: Sequence[TrackPoint], window: int) -> Picture:
+def draw_tracks(image: Image, points: Sequence[TrackPoint], window: int) -> Image:
     """The paper's figure 7: features in a frame, each with its window and the way it has come; red where not valid.
 
     Args:

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 
 
 class Movie:
@@ -24,7 +24,7 @@ class Movie:
         self._size = (0, 0)
         path.unlink(missing_ok=True)
 
-    def write(self, frame: Picture) -> None:
+    def write(self, frame: Image) -> None:
         """Append a frame, uint8 (H, W) or (H, W, 3) blue, green, red."""
         if self._writer is None:
             self._size = frame.shape[1] // 2 * 2, frame.shape[0] // 2 * 2

@@ -14,7 +14,7 @@ import cv2
 import matplotlib
 from matplotlib.figure import Figure
 
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 
 matplotlib.use("Agg")
 
@@ -94,7 +94,7 @@ def paragraph(text: str) -> str:
     return f"<p>{html.escape(text)}</p>"
 
 
-def figure(picture: Picture, caption: str) -> str:
+def figure(picture: Image, caption: str) -> str:
     """A picture (uint8, grey or BGR) with its caption."""
     _, data = cv2.imencode(".png", picture)
     return _image(data.tobytes(), caption)

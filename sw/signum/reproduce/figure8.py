@@ -16,7 +16,8 @@ import numpy as np
 import skimage.data
 
 from signum.boards import BOARDS, open_board
-from signum.boards.board import Board, Image
+from signum.boards.board import Board
+from signum.common.arrays import Image
 from signum.world.degrade import degrade
 
 SIZE = 640, 480

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.boards.board import Board, Image
+from signum.boards.board import Board
+from signum.common.arrays import Image
 from signum.measure.measurer import Measurer
 from signum.report.draw import stages
 from signum.report.page import Bar, Section, figure, paragraph, row, table

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.flow import FlowField, draw_flow, measure_flow
 from signum.measure.measurer import Measurer
@@ -31,7 +31,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     """A field over relief in turbid water; then errors on shifted photographs."""
     photos, shifts = (PHOTOS[:1], 2) if quick else (PHOTOS, SHIFTS)
     rng = np.random.default_rng([seed, 11])
-    squares: dict[bool, list[NDArray[np.float64]]] = {False: [], True: []}
+    squares: dict[bool, list[Floats]] = {False: [], True: []}
     valid: dict[bool, list[float]] = {False: [], True: []}
     with open_board() as board, progress("flow", 1 + 2 * len(photos) * shifts) as tell:
         before, after, field = _field(Measurer(board, SIZE, 2.0), seed)
@@ -62,13 +62,13 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     return [Section("Figure 6: optical flow", body, bars)]
 
 
-def shifted(photo: NDArray[np.float32], shift: NDArray[np.float64]) -> Picture:
+def shifted(photo: NDArray[np.float32], shift: Floats) -> Image:
     """The middle of a photograph (grey levels) moved by `shift` pixels: uint8 of SIZE."""
     matrix = np.array([[1, 0, shift[0] - 60], [0, 1, shift[1] - 60]])
     return np.asarray(np.clip(cv2.warpAffine(photo, matrix, SIZE, flags=cv2.INTER_CUBIC), 0, 255), np.uint8)
 
 
-def _field(measurer: Measurer, seed: int) -> tuple[Picture, Picture, FlowField]:
+def _field(measurer: Measurer, seed: int) -> tuple[Image, Image, FlowField]:
     world = World(Seafloor(extent=6.0, relief=0.12, seed=seed), COASTAL, seed=seed)
     camera = Pinhole(SIZE)
     poses = (np.array([0.0, 0.0, -2.0]), (0.0, 0.0, 0.0)), (np.array([0.035, 0.02, -2.03]), (0.0, 0.0, 0.03))

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.mosaic.graph import chain, solve
 from signum.applications.mosaic.links import LOOP, Link
 from signum.applications.mosaic.simulate import Cell, Flown, Plan, back_and_forth
+from signum.common.arrays import Floats
 from signum.geometry.similarity import IDENTITY
 from signum.measure.register import Registrar
 
@@ -40,7 +40,7 @@ class Measured:
 
     links: dict[tuple[Cell, Cell], Link]
     refused: int
-    errors: NDArray[np.float64]
+    errors: Floats
 
 
 def name(cell: Cell) -> str:

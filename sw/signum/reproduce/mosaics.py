@@ -19,7 +19,8 @@ from signum.applications.mosaic.simulate import Flown, Plan
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
 from signum.boards.board import BoardBase
-from signum.frames.frame import Frame, Picture
+from signum.common.arrays import Image
+from signum.frames.frame import Frame
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
 from signum.reproduce.survey import registrar
@@ -112,7 +113,7 @@ def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Prog
         + table(heads, lines), bars)
 
 
-def _by_sequence(survey: Survey, piece: Piece) -> Picture:
+def _by_sequence(survey: Survey, piece: Piece) -> Image:
     """The mosaic as the sequence alone would have it."""
     links = [link for link in survey.links_of(piece) if link.kind == SEQUENCE]
     places = chain(piece.stored[0], links)
@@ -138,5 +139,5 @@ def _rms(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _read(path: Path) -> Picture:
+def _read(path: Path) -> Image:
     return np.asarray(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), np.uint8)

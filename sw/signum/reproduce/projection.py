@@ -10,10 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.mosaic.simulate import orthographic, seafloor
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Registrar
@@ -53,8 +52,8 @@ class View:
     accepted: float
     agreed: float
     spread_px: float
-    error_px: NDArray[np.float64]
-    pair: tuple[Picture, Picture]
+    error_px: Floats
+    pair: tuple[Image, Image]
     found: Similarity
 
     @property
@@ -76,7 +75,7 @@ def compare(registrar: Registrar, seed: int, pairs: int, tell: Callable[[str], N
         camera = None if height is None else Pinhole(SIZE, height / pixel)
 
         def look(north: float, east: float, camera: Pinhole | None = camera, height: float | None = height,
-                 world: World = world) -> Picture:
+                 world: World = world) -> Image:
             if camera is None or height is None:
                 return orthographic(floor, north, east, SIZE, pixel, NOISE, rng)
             sight = Sight(np.array([north, east, -height]), rotation(0, 0, 0) @ LOOK_DOWN)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from signum.common.arrays import Floats
 from signum.geometry.similarity import Similarity
 
 SHARED = Path(__file__).resolve().parents[4] / "shared" / "data"
@@ -33,7 +33,7 @@ def read_pairs(path: Path) -> dict[tuple[str, str], Pair]:
 
 
 def residuals(places: Mapping[str, Similarity], pairs: Mapping[tuple[str, str], Pair],
-              size: tuple[int, int]) -> NDArray[np.float64]:
+              size: tuple[int, int]) -> Floats:
     """How far poses are from each pair, pixels of b: the mean over the quarter points of a's frame, (pairs,).
 
     Args:

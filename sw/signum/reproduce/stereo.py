@@ -6,9 +6,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
@@ -34,7 +33,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     lines, shown, worst = [], [], {"close": 1.0, "rms": 0.0}
     with open_board() as board, progress("stereo", len(floors) * seeds + 1) as tell:
         for name, shape in floors.items():
-            missed: dict[int, list[NDArray[np.float64]]] = {w: [] for w in WINDOWS}
+            missed: dict[int, list[Floats]] = {w: [] for w in WINDOWS}
             shares: dict[int, list[float]] = {w: [] for w in WINDOWS}
             for k in range(seeds):
                 world = World(Seafloor(extent=4.0, texel=0.0025, seed=seed + k, **shape))  # type: ignore[arg-type]
@@ -74,7 +73,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
             + row(bike), (Bar("motorcycle: valid ones within 1 px", within, ">=", 0.90),))]
 
 
-def _errors(found: RangeMap, truth: NDArray[np.float64]) -> NDArray[np.float64]:
+def _errors(found: RangeMap, truth: Floats) -> Floats:
     """Disparity errors of the valid measurements that have a truth, pixels."""
     e = found.disparity - truth[np.ix_(found.y.astype(int), found.x.astype(int))]
     return np.asarray(e[np.isfinite(e)], np.float64)
@@ -86,7 +85,7 @@ def _motorcycle(open_board: OpenBoard) -> tuple[float, list[str]]:
     left, right, truth = data.stereo_motorcycle()
     scale = 640 / left.shape[1]
     size = (640, round(left.shape[0] * scale))
-    pair: list[Picture] = [np.asarray(cv2.resize(cv2.cvtColor(p, cv2.COLOR_RGB2GRAY), size,
+    pair: list[Image] = [np.asarray(cv2.resize(cv2.cvtColor(p, cv2.COLOR_RGB2GRAY), size,
                                                  interpolation=cv2.INTER_AREA), np.uint8) for p in (left, right)]
     true = cv2.resize(np.where(np.isfinite(truth), truth, np.nan).astype(np.float32) * scale, size,
                       interpolation=cv2.INTER_NEAREST).astype(np.float64)

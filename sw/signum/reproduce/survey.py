@@ -8,14 +8,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 from matplotlib import pyplot as plt
-from numpy.typing import NDArray
 
 from signum.applications.mosaic.accuracy import judge, read_track
 from signum.applications.mosaic.simulate import Plan, fly
 from signum.applications.mosaic.survey import Survey
 from signum.boards.board import BoardBase
+from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
-from signum.frames.frame import Picture
 from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
@@ -52,7 +51,7 @@ def _growth(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Sec
     sides = range(3, 5) if quick else SIDES
     seeds = 2 if quick else SEEDS
     plan = Plan(rows=max(sides), columns=max(sides))
-    squares: dict[str, NDArray[np.float64]] = {k: np.full((seeds, len(sides)), np.nan) for k in METHODS}
+    squares: dict[str, Floats] = {k: np.full((seeds, len(sides)), np.nan) for k in METHODS}
     spread, refused, measured_links = [], 0, 0
     with progress("error growth", seeds) as tell:
         for k in range(seeds):
@@ -94,11 +93,11 @@ def _growth(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Sec
     return Section("Error growth over columns (figures 16 and 17)", body, tuple(bars))
 
 
-def _slope(x: NDArray[np.float64], variance: NDArray[np.float64]) -> float:
+def _slope(x: Floats, variance: Floats) -> float:
     return float(np.polyfit(np.log(x), np.log(variance), 1)[0])
 
 
-def _curves(m: NDArray[np.float64], variance: dict[str, NDArray[np.float64]], slope: dict[str, float]) -> str:
+def _curves(m: Floats, variance: dict[str, Floats], slope: dict[str, float]) -> str:
     fig, ax = plt.subplots(figsize=(7, 4.5))
     for method, colour in zip(METHODS, ("tab:red", "tab:blue", "tab:green"), strict=True):
         ax.loglog(m, variance[method], "o", color=colour)
@@ -132,7 +131,7 @@ def _projection(board: BoardBase, seed: int, quick: bool, progress: Progress) ->
                             "windows off the similarity, RMS px", "offset error, RMS px"), lines), bars)
 
 
-def _overlay(view: View) -> Picture:
+def _overlay(view: View) -> Image:
     """The second frame cyan, the first red, brought onto it."""
     first, second = view.pair
     moved = np.asarray(cv2.warpAffine(first, view.found.matrix, first.shape[::-1]), np.uint8)

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer, Query, View
 from signum.measure.track import Tracker, TrackPoint, TrackSettings
@@ -22,7 +22,6 @@ from signum.world.seafloor import Seafloor
 from signum.world.water import COASTAL
 from signum.world.world import World
 
-Float = NDArray[np.float64]
 CAMERA = Pinhole()
 RATE = 5.0
 HEIGHT = 2.0
@@ -42,8 +41,8 @@ class Run:
     chain_ages: list[int] = field(default_factory=list)
     chain_errors: list[float] = field(default_factory=list)
     links: list[int] = field(default_factory=list)
-    first: tuple[Picture, list[TrackPoint]] | None = None
-    last: tuple[Picture, list[TrackPoint]] | None = None
+    first: tuple[Image, list[TrackPoint]] | None = None
+    last: tuple[Image, list[TrackPoint]] | None = None
 
     def within(self, px: float) -> float:
         """Share of the valid positions within `px` of the truth."""
@@ -104,8 +103,8 @@ def _fly(measurer: Measurer, plain: Measurer, hover: bool, frames: int, seed: in
     world = World(Seafloor(extent=12.0, relief=0.04, texel=0.005, seed=seed), COASTAL, seed=seed)
     tracker = Tracker(measurer, TrackSettings(window=WINDOW, features=12))
     run = Run()
-    ground: dict[int, tuple[int, Float]] = {}
-    summed: dict[int, Float] = {}
+    ground: dict[int, tuple[int, Floats]] = {}
+    summed: dict[int, Floats] = {}
     before: View | None = None
     for k in range(frames):
         sight = _sight(hover, k / RATE)
@@ -139,14 +138,14 @@ def _fly(measurer: Measurer, plain: Measurer, hover: bool, frames: int, seed: in
     return run
 
 
-def _on_ground(sight: Sight, depth: NDArray[np.float32], x: float, y: float) -> Float:
+def _on_ground(sight: Sight, depth: NDArray[np.float32], x: float, y: float) -> Floats:
     """The world point (3,) at a pixel."""
     z = float(depth[round(y), round(x)])
     ray = np.array([(x - CAMERA.centre[0]) / CAMERA.focal, (y - CAMERA.centre[1]) / CAMERA.focal, 1.0])
     return np.asarray(sight.position + sight.rotation @ (z * ray), np.float64)
 
 
-def _sum(measurer: Measurer, before: View, live: View, summed: dict[int, Float]) -> None:
+def _sum(measurer: Measurer, before: View, live: View, summed: dict[int, Floats]) -> None:
     """What everybody else does: add up steps from frame to frame; a feature lost once is lost (NaN)."""
     kept = [n for n, at in summed.items() if np.isfinite(at).all()]
     places = [np.rint(summed[n]).astype(int) for n in kept]

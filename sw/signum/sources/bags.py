@@ -12,8 +12,9 @@ import numpy as np
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
+from signum.common.arrays import Image
 from signum.common.errors import SourceError
-from signum.frames.frame import Frame, Picture, Source
+from signum.frames.frame import Frame, Source
 
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 DIRECT = {"mono8": 1, "8UC1": 1, "bgr8": 3, "8UC3": 3, "rgb8": 3, "bgra8": 4, "rgba8": 4}
@@ -88,7 +89,7 @@ def _opened(path: Path) -> Iterator[AnyReader]:
         reader.close()
 
 
-def _raw(message: Any, label: str) -> Picture:
+def _raw(message: Any, label: str) -> Image:
     """The picture of a sensor_msgs/Image."""
     encoding = str(message.encoding)
     channels = 1 if encoding.startswith("bayer_") else DIRECT.get(encoding, 0)
@@ -106,7 +107,7 @@ def _raw(message: Any, label: str) -> Picture:
     return np.array(picture, np.uint8)
 
 
-def _compressed(message: Any, label: str) -> Picture:
+def _compressed(message: Any, label: str) -> Image:
     """The picture of a sensor_msgs/CompressedImage: grey stays grey, all else is blue, green, red."""
     data = np.frombuffer(np.ascontiguousarray(message.data), np.uint8)
     picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from signum.common.arrays import Image
 from signum.common.errors import SourceError
-from signum.frames.frame import Frame, Picture, Source, _by, read_picture
+from signum.frames.frame import Frame, Source, _by, read_picture
 from signum.geometry.calibration import CalibrationError, read_mono
 
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"})
@@ -118,7 +118,7 @@ class CameraSource(Source):
 class ArraySource(Source):
     """Camera frames held in an array: a sequence of pictures, or a .npy file of uint8 (N, H, W) or (N, H, W, 3)."""
 
-    def __init__(self, pictures: Sequence[Picture] | NDArray[np.uint8], label: str = "array") -> None:
+    def __init__(self, pictures: Sequence[Image] | Image, label: str = "array") -> None:
         super().__init__(label, len(pictures))
         self.pictures = pictures
 

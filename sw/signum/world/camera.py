@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from signum.geometry.camera import Matrix, Sight
+from signum.common.arrays import Floats
+from signum.geometry.camera import Sight
 from signum.world.seafloor import Float, Seafloor
 
 COARSE = 4
@@ -37,7 +38,7 @@ class Pinhole:
         """Principal point, pixels."""
         return (self.size[0] - 1) / 2, (self.size[1] - 1) / 2
 
-    def project(self, sight: Sight, points: Matrix) -> Matrix:
+    def project(self, sight: Sight, points: Floats) -> Floats:
         """Pixels (n, 2) of world points (n, 3); NaN behind the camera."""
         local = (np.atleast_2d(points) - sight.position) @ sight.rotation
         z = np.where(local[:, 2] > 1e-6, local[:, 2], np.nan)

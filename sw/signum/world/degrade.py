@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from signum.boards.board import Image
+from signum.common.arrays import Image
 
 SNOW = 250
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from signum.common.arrays import Floats
 from signum.geometry.camera import Sight
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Float, photograph
@@ -31,16 +31,16 @@ class Fish:
         seed: of its texture and its whims.
     """
 
-    position: NDArray[np.float64]
+    position: Floats
     length: float = 0.5
     speed: float = 0.25
-    home: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    home: Floats = field(default_factory=lambda: np.zeros(3))
     roam: tuple[float, float, float] = (0.5, 1.0, 0.4)
     stops: float = 3.0
     agility: float = 2.0
     seed: int = 0
-    velocity: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros(3))
-    facing: NDArray[np.float64] = field(init=False, default_factory=lambda: np.array([0.0, 1.0, 0.0]))
+    velocity: Floats = field(init=False, default_factory=lambda: np.zeros(3))
+    facing: Floats = field(init=False, default_factory=lambda: np.array([0.0, 1.0, 0.0]))
     _resting: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
@@ -52,7 +52,7 @@ class Fish:
         self._mask = np.asarray(np.clip((1 - np.hypot(u, v)) * 12, 0, 1), np.float32)
         self._goal = self._waypoint()
 
-    def _waypoint(self) -> NDArray[np.float64]:
+    def _waypoint(self) -> Floats:
         return np.asarray(self.home + self._rng.uniform(-1, 1, 3) * self.roam)
 
     def step(self, dt: float) -> None:

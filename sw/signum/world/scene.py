@@ -18,14 +18,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Picture = NDArray[np.uint8]
+from signum.common.arrays import Floats, Image
 
 
-def gravel(scale: float = 2.0) -> Picture:
+def gravel(scale: float = 2.0) -> Image:
     """scikit-image's bundled photograph of gravel (512x512, comes with the package), enlarged; uint8 (512*scale,)*2."""
     from skimage import data
 
-    load: Callable[[], NDArray[np.uint8]] = data.gravel
+    load: Callable[[], Image] = data.gravel
     photo = load()
     return np.asarray(cv2.resize(photo, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
 
@@ -53,7 +53,7 @@ class Camera:
         seed: of the noise.
     """
 
-    photo: Picture
+    photo: Image
     size: tuple[int, int] = (384, 288)
     focal: float = 400.0
     ground_pixel: float = 0.005
@@ -66,7 +66,7 @@ class Camera:
         self._rng = np.random.default_rng(self.seed)
         self._bed = self.photo.astype(np.float32)
 
-    def matrix(self, pose: Pose) -> NDArray[np.float64]:
+    def matrix(self, pose: Pose) -> Floats:
         """2x3 matrix from pixels of the frame to pixels of the photograph."""
         scale = pose.altitude / self.focal / self.ground_pixel
         c, s = scale * math.cos(pose.heading), scale * math.sin(pose.heading)
@@ -75,7 +75,7 @@ class Camera:
         ground = (np.array(self.photo.shape[::-1]) - 1) / 2 + np.array([pose.x, pose.y]) / self.ground_pixel
         return np.hstack([turn, (ground - turn @ centre)[:, None]])
 
-    def look(self, pose: Pose) -> Picture:
+    def look(self, pose: Pose) -> Image:
         """The frame seen from `pose`: uint8 (height, width). Beyond the photograph's edge its mirror image is seen."""
         flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
         view = np.asarray(cv2.warpAffine(self._bed, self.matrix(pose), self.size, flags=flags,
@@ -94,13 +94,13 @@ class Current:
     gusts: float = 0.03
     seed: int = 0
     _rng: np.random.Generator = field(init=False, repr=False)
-    _gust: NDArray[np.float64] = field(init=False, repr=False)
+    _gust: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._rng = np.random.default_rng(self.seed)
         self._gust = np.zeros(2)
 
-    def velocity(self, time: float, dt: float) -> NDArray[np.float64]:
+    def velocity(self, time: float, dt: float) -> Floats:
         """Velocity of the water at `time` seconds, m/s, (2,); `dt` seconds since the call before."""
         fade = math.exp(-dt / 1.5)
         self._gust = fade * self._gust + math.sqrt(1 - fade * fade) * self._rng.normal(0.0, self.gusts, 2)
@@ -129,7 +129,7 @@ class Vehicle:
     limit: float = 0.5
     current: Current = field(default_factory=lambda: replace(STILL))
     time: float = 0.0
-    _through: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2), repr=False)
+    _through: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
 
     def step(self, forward: float, right: float, dt: float) -> Pose:
         """Move for `dt` seconds under a velocity command, m/s; returns the new pose."""

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from signum.common.arrays import Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, Current, Vehicle
-from signum.world.water import COASTAL, Grey, Water
+from signum.world.water import COASTAL, Water
 from signum.world.world import World
 
 TRUTH = "north_m", "east_m", "altitude_m", "roll_deg", "pitch_deg", "heading_deg"
@@ -26,7 +27,7 @@ class Still:
     """A moment of a scene: seconds, its frame or stereo pair (uint8), and the truth by name."""
 
     time: float
-    frames: tuple[Grey, ...]
+    frames: tuple[Image, ...]
     truth: dict[str, float]
 
 

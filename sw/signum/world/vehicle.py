@@ -6,11 +6,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from signum.geometry.camera import LOOK_AHEAD, LOOK_DOWN, Matrix, Sight, pan_tilt, rotation
-
-Vector = NDArray[np.float64]
+from signum.common.arrays import Floats
+from signum.geometry.camera import LOOK_AHEAD, LOOK_DOWN, Sight, pan_tilt, rotation
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,7 @@ class Current:
     surge: tuple[float, float, float] = (0.0, 0.0, 0.0)
     period: float = 7.0
 
-    def at(self, time: float) -> Vector:
+    def at(self, time: float) -> Floats:
         """Velocity of the water (3,) m/s at `time` seconds."""
         wave = np.sin(2 * np.pi * time / self.period)
         return np.asarray(np.array([*self.steady, 0.0]) + wave * np.array(self.surge))
@@ -69,18 +67,18 @@ class Vehicle:
 
     hull: Hull = field(default_factory=Hull)
     current: Current = STILL
-    position: Vector = field(default_factory=lambda: np.array([0.0, 0.0, -2.0]))
-    attitude: Vector = field(default_factory=lambda: np.zeros(3))
-    velocity: Vector = field(default_factory=lambda: np.zeros(6))
-    thrust: Vector = field(default_factory=lambda: np.zeros(6))
+    position: Floats = field(default_factory=lambda: np.array([0.0, 0.0, -2.0]))
+    attitude: Floats = field(default_factory=lambda: np.zeros(3))
+    velocity: Floats = field(default_factory=lambda: np.zeros(6))
+    thrust: Floats = field(default_factory=lambda: np.zeros(6))
     time: float = 0.0
 
     @property
-    def turn(self) -> Matrix:
+    def turn(self) -> Floats:
         """Body to world (3, 3)."""
         return rotation(*self.attitude)
 
-    def step(self, command: Vector, dt: float) -> None:
+    def step(self, command: Floats, dt: float) -> None:
         """Move for `dt` seconds with forces commanded (6,) N and N m, clipped to the thrusters' limits."""
         h = self.hull
         inertia, limit = np.array(h.inertia), np.array(h.limit)
@@ -122,7 +120,7 @@ class PanTilt:
     rate_limit: float = 1.5
     acceleration: float = 8.0
     ends: tuple[float, float] = (1.2, 0.9)
-    rates: Vector = field(default_factory=lambda: np.zeros(2))
+    rates: Floats = field(default_factory=lambda: np.zeros(2))
 
     def step(self, pan_rate: float, tilt_rate: float, dt: float) -> None:
         """Turn for `dt` seconds at commanded rates, radians per second."""
@@ -136,8 +134,8 @@ class PanTilt:
 class Mount:
     """How a camera sits on the vehicle: `offset` (3,) body metres, `look` camera to body (3, 3) at rest."""
 
-    offset: Vector = field(default_factory=lambda: np.zeros(3))
-    look: Matrix = field(default_factory=lambda: LOOK_DOWN)
+    offset: Floats = field(default_factory=lambda: np.zeros(3))
+    look: Floats = field(default_factory=lambda: LOOK_DOWN)
 
     def sight(self, vehicle: Vehicle, head: PanTilt | None = None) -> Sight:
         """Where the camera is now, turned by the pan/tilt where there is one."""

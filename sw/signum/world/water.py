@@ -11,13 +11,11 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from signum.common.arrays import Floats, Image
 from signum.geometry.camera import Sight
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Float
-
-Grey = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -61,14 +59,14 @@ class Snow:
     seed: int = 0
     box: float = 3.0
     sink: float = 0.02
-    positions: NDArray[np.float64] = field(init=False, repr=False)
+    positions: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._rng = np.random.default_rng([self.seed, 2])
         # A frustum fills about a twelfth of the box around it.
         self.positions = self._rng.uniform(0, self.box, (12 * self.count, 3))
 
-    def drift(self, flow: NDArray[np.float64], dt: float) -> None:
+    def drift(self, flow: Floats, dt: float) -> None:
         """Carry the particles with water flowing at `flow` (3,) m/s for dt seconds."""
         wander = self._rng.normal(0.0, 0.03 * np.sqrt(dt), self.positions.shape)
         self.positions = (self.positions + (flow + np.array([0, 0, self.sink])) * dt + wander) % self.box
@@ -113,7 +111,7 @@ def expose(albedo: Float, depth: Float, camera: Pinhole, water: Water) -> Float:
     return np.asarray(image, np.float32)
 
 
-def sense(image: Float, noise: float, rng: np.random.Generator) -> Grey:
+def sense(image: Float, noise: float, rng: np.random.Generator) -> Image:
     """What the sensor makes of the light: noise, clipping, 8 bits."""
     if noise:
         image = image + np.float32(noise) * rng.standard_normal(image.shape, np.float32)

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from signum.common.arrays import Image
 from signum.geometry.camera import Sight
 from signum.world.camera import Pinhole, see_floor
 from signum.world.fish import Fish
 from signum.world.seafloor import Float, Seafloor
 from signum.world.vehicle import STILL, Current
-from signum.world.water import CLEAR, Grey, Snow, Water, expose, sense
+from signum.world.water import CLEAR, Snow, Water, expose, sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,7 @@ class Shot:
         depth: float32 (height, width), metres along the optical axis, infinite for open water.
     """
 
-    frame: Grey
+    frame: Image
     depth: Float
 
 

@@ -12,9 +12,10 @@ import skimage.data
 from golden import correlate
 from golden.correlate import Job
 from golden.params import FULL, TINY, Config
-from signum.boards.board import BoardBase, BoardError, Image, run_jobs
+from signum.boards.board import BoardBase, BoardError, run_jobs
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
+from signum.common.arrays import Image
 from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
 from signum.measure.track import Tracker, TrackPoint, TrackSettings

@@ -8,8 +8,8 @@ import pytest
 import skimage.data
 
 from golden.params import FULL
-from signum.boards.board import Image
 from signum.boards.golden import GoldenBoard
+from signum.common.arrays import Image
 from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
 from signum.measure.predict import SearchPredictor
 from signum.measure.subpixel import line_offset, peak_offsets

@@ -8,8 +8,8 @@ import pytest
 import skimage.data
 
 from signum.boards.golden import GoldenBoard
+from signum.common.arrays import Image
 from signum.frames.fit import Fit
-from signum.frames.frame import Picture
 from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
@@ -25,7 +25,7 @@ def _registrar(size: tuple[int, int] = SIZE, window: int = 64, sigma: float = 2.
     return Registrar.on(lambda s, wide: Measurer(board, s, wide), Fit.to(size, board.config, window), window, sigma)
 
 
-def _cut(photo: Picture, place: Similarity, size: tuple[int, int] = SIZE, seed: int = 0) -> Picture:
+def _cut(photo: Image, place: Similarity, size: tuple[int, int] = SIZE, seed: int = 0) -> Image:
     """The frame that `place` puts into the photograph, with sensor noise."""
     view = cv2.warpAffine(photo, place.matrix, size, flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP)
     noise = np.random.default_rng(seed).normal(0, 3, view.shape)

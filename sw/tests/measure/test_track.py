@@ -11,8 +11,8 @@ import skimage.data
 from numpy.typing import NDArray
 
 from golden.params import FULL
-from signum.boards.board import Image
 from signum.boards.golden import GoldenBoard
+from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
 from signum.measure.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
@@ -21,7 +21,6 @@ from signum.sources.open import open_source
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 NEAR_PX = 2.0
-Points = NDArray[np.float64]
 
 
 def _track(frames: Sequence[Image], fit: Fit, features: int = 30) -> list[list[TrackPoint]]:
@@ -43,13 +42,13 @@ class _Reference:
         self._features = cache(lambda t: sift.detectAndCompute(frames[t], None))
         self._matches = cache(self._match)
 
-    def _match(self, a: int, b: int) -> tuple[Points, Points]:
+    def _match(self, a: int, b: int) -> tuple[Floats, Floats]:
         (ka, da), (kb, db) = self._features(a), self._features(b)
         pairs = [m for m, *n in cv2.BFMatcher().knnMatch(da, db, 2) if n and m.distance < 0.8 * n[0].distance]
         return (np.array([ka[m.queryIdx].pt for m in pairs]).reshape(-1, 2),
                 np.array([kb[m.trainIdx].pt for m in pairs]).reshape(-1, 2))
 
-    def displacement(self, a: int, b: int, at: Points, radius: float = 60, half: int = 24) -> Points | None:
+    def displacement(self, a: int, b: int, at: Floats, radius: float = 60, half: int = 24) -> Floats | None:
         """Where the point `at` of frame a moved until frame b, minus `at`; None where that cannot be told."""
         here, there = self._matches(a, b)
         near = np.hypot(*(here - at).T) < radius
@@ -70,11 +69,11 @@ class _Reference:
                 patch, self.frames[b], warp, cv2.MOTION_AFFINE, (3, 50, 1e-4), None, 5)
         except cv2.error:
             return None
-        moved: Points = warp[:, :2] @ (at - corner) + warp[:, 2] - at
+        moved: Floats = warp[:, :2] @ (at - corner) + warp[:, 2] - at
         return moved if cc > 0.85 and np.hypot(*(moved - model[:, 2])) < 1.5 else None
 
 
-def _steps_by_flow(a: Image, b: Image, points: Points) -> tuple[Points, NDArray[np.bool_]]:
+def _steps_by_flow(a: Image, b: Image, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Pyramidal Lucas-Kanade from a to b, and whether it returns to within half a pixel."""
     start = points.astype(np.float32).reshape(-1, 1, 2)
     end, ok = _flow(a, b, start)

@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from signum.applications.follow.segment import FLOW_RULES, NEAR_RULES, Blob, Segmented, by_motion, by_range, one_blob
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import measure_flow
 from signum.measure.measurer import Measurer, Query, Rules, View
@@ -62,7 +62,7 @@ class Eye(Protocol):
     live: View | None
     before: View | None
 
-    def look(self, frames: Sequence[Picture], moved: tuple[float, float]) -> Segmented | None:
+    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented | None:
         """Segment a frame, or the two of a stereo pair.
 
         Args:
@@ -87,7 +87,7 @@ class RangeEye:
         self.live: View | None = None
         self.before: View | None = None
 
-    def look(self, frames: Sequence[Picture], moved: tuple[float, float]) -> Segmented:
+    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented:
         """See `Eye`; takes a rectified pair."""
         left, right = self.measurer.pair(frames[0], frames[1])
         found = measure_range(self.measurer, left, right, self.disparities, (self.window, self.window), self.step, None,
@@ -108,7 +108,7 @@ class MotionEye:
         self.live: View | None = None
         self.before: View | None = None
 
-    def look(self, frames: Sequence[Picture], moved: tuple[float, float]) -> Segmented | None:
+    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented | None:
         """See `Eye`."""
         if self.before is not None:
             self.measurer.release(self.before)
@@ -142,7 +142,7 @@ class Follower:
     _shown: int = field(init=False, default=0)
     _sighting: Blob | None = field(init=False, default=None, repr=False)
 
-    def step(self, frames: Sequence[Picture], moved: tuple[float, float] = (0.0, 0.0),
+    def step(self, frames: Sequence[Image], moved: tuple[float, float] = (0.0, 0.0),
              expected: tuple[float, float] | None = None) -> Target:
         """Take a frame (or a pair).
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.follow.follower import Target
 from signum.applications.pid import Gains, Pid
+from signum.common.arrays import Floats
 
 ALPHA, BETA = 0.6, 0.15
 """Of the alpha-beta filter; near critical damping, settled in about five frames."""
@@ -64,8 +64,8 @@ class Pilot:
     centre: tuple[float, float]
     distance_m: float = 2.0
     ends: tuple[float, float] = (1.0, 0.6)
-    _angles: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros(2))
-    _rates: NDArray[np.float64] = field(init=False, default_factory=lambda: np.zeros(2))
+    _angles: Floats = field(init=False, default_factory=lambda: np.zeros(2))
+    _rates: Floats = field(init=False, default_factory=lambda: np.zeros(2))
     _lost_for: float = field(init=False, default=0.0)
     _phase: float = field(init=False, default=0.0)
     _left: Felt | None = field(init=False, default=None)
@@ -87,7 +87,7 @@ class Pilot:
         return (self.centre[0] + self.focal * math.tan(np.clip(pan, -1.2, 1.2)),
                 self.centre[1] - self.focal * math.tan(np.clip(tilt, -1.2, 1.2)))
 
-    def step(self, target: Target, felt: Felt, dt: float) -> tuple[tuple[float, float], NDArray[np.float64]]:
+    def step(self, target: Target, felt: Felt, dt: float) -> tuple[tuple[float, float], Floats]:
         """Steer by a frame's target.
 
         Returns:
@@ -109,10 +109,10 @@ class Pilot:
         rates = self._rates + HEAD_GAIN * (self._angles - head)
         return (float(rates[0]), float(rates[1])), self._follow(target, felt, dt)
 
-    def _seen(self, target: Target, head: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _seen(self, target: Target, head: Floats) -> Floats:
         return head + np.arctan([(target.x - self.centre[0]) / self.focal, -(target.y - self.centre[1]) / self.focal])
 
-    def _search(self, head: NDArray[np.float64], dt: float) -> tuple[float, float]:
+    def _search(self, head: Floats, dt: float) -> tuple[float, float]:
         """Sweep a growing ellipse, first about where the fish was last seen, in the end as far as the head turns; then
         all over again."""
         size = 0.1 + GROWTH * self._lost_for
@@ -126,7 +126,7 @@ class Pilot:
         rates = np.clip(3.0 * (goal - head), -1.5 * SWEEP, 1.5 * SWEEP)
         return float(rates[0]), float(rates[1])
 
-    def _follow(self, target: Target, felt: Felt, dt: float) -> NDArray[np.float64]:
+    def _follow(self, target: Target, felt: Felt, dt: float) -> Floats:
         pan, tilt = (float(a) for a in self._angles)
         near = self.distance_m if math.isnan(target.range_m) else target.range_m
         aside, up = near * math.tan(np.clip(pan, -1, 1)), near * math.tan(np.clip(tilt, -1, 1))
@@ -136,7 +136,7 @@ class Pilot:
             errors = {"surge": up, "sway": aside, "heave": -felt.depth, "yaw": -felt.heading}
         return self._forces({name: self._loops[name].step(e, dt) for name, e in errors.items()})
 
-    def _wait(self, felt: Felt, dt: float) -> NDArray[np.float64]:
+    def _wait(self, felt: Felt, dt: float) -> Floats:
         """Stay about here until the fish is found: in midwater at the depth and heading at which it was lost."""
         kept = self._left if self.where is Where.MIDWATER and self._left else Felt(0.0, 0.0, 0.0, 0.0)
         own = {"heave": kept.depth - felt.depth, "yaw": kept.heading - felt.heading}
@@ -146,6 +146,6 @@ class Pilot:
                              for name, loop in self._loops.items()})
 
     @staticmethod
-    def _forces(axes: dict[str, float]) -> NDArray[np.float64]:
+    def _forces(axes: dict[str, float]) -> Floats:
         get = axes.get
         return np.array([get("surge", 0.0), get("sway", 0.0), get("heave", 0.0), 0.0, 0.0, get("yaw", 0.0)])

@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 
 from signum.applications.follow.follower import State, Target
-from signum.frames.frame import Picture, grey
+from signum.common.arrays import Image
+from signum.frames.frame import grey
 from signum.report.draw import write_line
 from signum.tables.table import Table
 
@@ -34,7 +35,7 @@ def follow_row(frame: str, time: float, t: Target, factor: tuple[float, float] =
     return [frame, f"{time:.3f}", str(t.state), *place, *blob, near]
 
 
-def draw_target(picture: Picture, target: Target) -> Picture:
+def draw_target(picture: Image, target: Target) -> Image:
     """A frame with the windows (green: not fish, red: fish, grey: not measured), the blob's box, the target and the
     centre quarter.
 
@@ -78,7 +79,7 @@ class FollowRecord:
     film: bool = False
     often: float = 60.0
     most: int = 9
-    shots: list[tuple[str, Picture]] = field(default_factory=list)
+    shots: list[tuple[str, Image]] = field(default_factory=list)
     states: list[tuple[float, State]] = field(default_factory=list)
     _table: Table = field(init=False, repr=False)
     _writer: cv2.VideoWriter | None = field(init=False, default=None, repr=False)
@@ -87,7 +88,7 @@ class FollowRecord:
     def __post_init__(self) -> None:
         self._table = Table(self.folder / "follow.csv", [*FOLLOW, *TRUTH] if self.truth else FOLLOW)
 
-    def add(self, name: str, time: float, target: Target, picture: Picture,
+    def add(self, name: str, time: float, target: Target, picture: Image,
             factor: tuple[float, float] = (1.0, 1.0), truth: tuple[float, ...] | None = None) -> None:
         """Take in a frame; `truth`: x, y (NaN out of view), range, pan and tilt in degrees."""
         row = follow_row(name, time, target, factor)
@@ -109,7 +110,7 @@ class FollowRecord:
         """Share of the frames in a state."""
         return sum(s is state for _, s in self.states) / max(len(self.states), 1)
 
-    def _show(self, drawn: Picture) -> None:
+    def _show(self, drawn: Image) -> None:
         if self._writer is None:
             size = drawn.shape[1], drawn.shape[0]
             code = cv2.VideoWriter.fourcc(*"mp4v")

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from signum.common.arrays import Floats
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
 from signum.measure.measurer import Rules
 from signum.measure.stereo import RangeMap
 
-Float = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 LEAST_WINDOWS = 3
@@ -62,12 +62,12 @@ class Segmented:
     which have been measured at all (ny, nx), which look like nothing they should look like, as a fish does that turns
     (ny, nx), and their range (ny, nx), metres, NaN where unknown."""
 
-    x: Float
-    y: Float
+    x: Floats
+    y: Floats
     fish: Mask
     known: Mask
     changed: Mask
-    range_m: Float
+    range_m: Floats
 
 
 def by_range(found: RangeMap, geometry: StereoGeometry, nearer: float) -> Segmented:
@@ -101,7 +101,7 @@ def by_motion(field: FlowField, size: tuple[int, int], disagree_px: float = 1.5)
     return Segmented(field.x, field.y, fish, known, changed, np.full(known.shape, np.nan))
 
 
-def _connected(fish: Mask, range_m: Float) -> tuple[int, NDArray[np.int64]]:
+def _connected(fish: Mask, range_m: Floats) -> tuple[int, NDArray[np.int64]]:
     """How many contiguous sets of windows there are, and each window's, -1 for none. Neighbours whose ranges differ are
     apart: snow flakes side by side are no fish."""
     rows, columns = np.nonzero(fish)

@@ -20,6 +20,7 @@ from signum.applications.follow.follower import (
     Target,
 )
 from signum.applications.follow.pilot import Felt, Pilot, Where
+from signum.common.arrays import Image
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurer
 from signum.world.camera import Pinhole
@@ -28,9 +29,6 @@ from signum.world.seafloor import Seafloor
 from signum.world.vehicle import AHEAD, DOWN, Current, PanTilt, Vehicle
 from signum.world.water import COASTAL, Water
 from signum.world.world import World
-
-Array = NDArray[np.float64]
-Picture = NDArray[np.uint8]
 
 BASELINE_M = 0.12
 SWELL = Current(steady=(0.02, 0.04), surge=(0.03, 0.03, 0.02), period=8.0)
@@ -70,10 +68,10 @@ class Glimpse:
     range_m: float
     head: tuple[float, float]
     position: tuple[float, float, float]
-    frames: tuple[Picture, ...]
+    frames: tuple[Image, ...]
 
     @property
-    def frame(self) -> Picture:
+    def frame(self) -> Image:
         """The frame, or the left one of the pair."""
         return self.frames[0]
 

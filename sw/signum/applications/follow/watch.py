@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from signum.applications.follow.follower import Eye, Follower, Target
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 
 
-def watch(eye: Eye, pictures: Iterable[tuple[Picture, ...]]) -> Iterator[Target]:
+def watch(eye: Eye, pictures: Iterable[tuple[Image, ...]]) -> Iterator[Target]:
     """The target of every frame, or rectified pair, each uint8 (height, width) of the eye's size."""
     follower = Follower(eye)
     for frames in pictures:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.hold.meter import UPRIGHT, Level, Reading, StationMeter
 from signum.applications.hold.tuning import Axis
 from signum.applications.pid import Gains, Pid
+from signum.common.arrays import Floats
 from signum.measure.measurer import View
 
 WIDEN = 4
@@ -76,13 +76,13 @@ class StationKeeper:
     _offset: Reading = field(init=False, repr=False)
     _adrift: bool = field(init=False, default=False)
     _by_gyro: float = field(init=False, default=0.0)
-    _errors: NDArray[np.float64] | None = field(init=False, default=None, repr=False)
+    _errors: Floats | None = field(init=False, default=None, repr=False)
 
     def __post_init__(self) -> None:
         self._loops = self.axes.loops()
         self._offset = Reading(range_m=self.meter.range_m)
 
-    def step(self, live: View, sensed: Sensed, dt: float) -> tuple[Reading, NDArray[np.float64]]:
+    def step(self, live: View, sensed: Sensed, dt: float) -> tuple[Reading, Floats]:
         """Read a view, which is the keeper's from then on; forces (6,) N and N m in body axes to bring the vehicle
         back."""
         wide = min(WIDEN * self.blind, WIDEST)
@@ -172,5 +172,5 @@ class StationKeeper:
             self._stand_in = None
 
     @staticmethod
-    def _forces(axes: list[float]) -> NDArray[np.float64]:
+    def _forces(axes: list[float]) -> Floats:
         return np.array([axes[0], axes[1], axes[2], 0.0, 0.0, axes[3]])

@@ -20,8 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.common.arrays import Floats
 from signum.geometry.camera import LOOK_DOWN, pan_tilt, rotation
-from signum.geometry.similarity import IDENTITY, Points, Similarity, fit, vote
+from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, Rules, View
 
 
@@ -35,7 +36,7 @@ class Level(NamedTuple):
     tilt: float = 0.0
 
     @property
-    def turn(self) -> Points:
+    def turn(self) -> Floats:
         """Camera to level camera (3, 3)."""
         return LOOK_DOWN.T @ rotation(self.roll, self.pitch, 0.0) @ LOOK_DOWN @ pan_tilt(self.pan, self.tilt)
 
@@ -111,7 +112,7 @@ class StationMeter:
         self.least = max(3, features // 3)
         self._reference: View | None = None
         self._centres: list[tuple[int, int]] = []
-        self._anchors: Points = np.zeros((0, 2))
+        self._anchors: Floats = np.zeros((0, 2))
         self._last: Similarity = IDENTITY
         self._drift = 0j
         self.centre = (np.array(measurer.size, np.float64) - 1) / 2
@@ -197,11 +198,11 @@ class StationMeter:
         score = float(np.median([answers[i].score for i, good in zip(keep, result.agree, strict=True) if good]))
         return self._reading(similarity, agreed, max(visible, agreed), score)
 
-    def features_at(self, level: Level = UPRIGHT) -> Points:
+    def features_at(self, level: Level = UPRIGHT) -> Floats:
         """Where the last reading, or `expect`, puts the features: pixels (n, 2) of the frame."""
         return self._tilted(self._last(self._anchors), level)
 
-    def middle_at(self, level: Level = UPRIGHT) -> Points:
+    def middle_at(self, level: Level = UPRIGHT) -> Floats:
         """Where it puts the ground point below the station: pixel (2,) of the frame."""
         return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
 
@@ -214,25 +215,25 @@ class StationMeter:
         confidence = round(100 * min(1.0, share * min(1.0, (score - 0.5) / 0.25)))
         return Reading(-moved.imag, moved.real, heading, zoom, range_m, max(confidence, 1), agreed, tried)
 
-    def _levelled(self, points: Points, level: Level) -> Points:
+    def _levelled(self, points: Floats, level: Level) -> Floats:
         """Pixels from the image centre at which a level camera would see what this one sees at `points`."""
         return self._turned(points - self.centre, level.turn)
 
-    def _tilted(self, points: Points, level: Level) -> Points:
+    def _tilted(self, points: Floats, level: Level) -> Floats:
         """The way back: pixels of the frame."""
         return self._turned(points, level.turn.T) + self.centre
 
-    def _turned(self, points: Points, turn: NDArray[np.float64]) -> Points:
+    def _turned(self, points: Floats, turn: Floats) -> Floats:
         rays = np.hstack([points / self.focal, np.ones((len(points), 1))])
         seen = rays @ turn.T
         return np.asarray(seen[:, :2] / seen[:, 2:] * self.focal)
 
-    def _visible(self, points: Points) -> NDArray[np.bool_]:
+    def _visible(self, points: Floats) -> NDArray[np.bool_]:
         half = self.window / 2
         return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
 
 
-def _turn_error(anchors: Points, found: Points, similarity: Similarity) -> float:
+def _turn_error(anchors: Floats, found: Floats, similarity: Similarity) -> float:
     """Standard error of the fitted rotation, radians: few windows on a small part of the image say little of it."""
     miss = found - similarity(anchors)
     noise = max(LEAST_NOISE_PX, float(np.sqrt((miss**2).sum() / max(2 * len(anchors) - 4, 1))))

@@ -7,16 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from signum.applications.hold.simulate import HoldFigures
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 
-Array = NDArray[np.float64]
 
-
-def draw_series(series: Array) -> Figure:
+def draw_series(series: Floats) -> Figure:
     """Position, heading, range and confidence over time.
 
     Args:
@@ -52,7 +49,7 @@ def hold_bars(f: HoldFigures) -> tuple[Bar, ...]:
             Bar("wrong readings called valid", f.wrong, "<=", 0))
 
 
-def hold_section(title: str, about: str, series: Array, shots: Sequence[tuple[str, Picture]],
+def hold_section(title: str, about: str, series: Floats, shots: Sequence[tuple[str, Image]],
                  bars: tuple[Bar, ...] = ()) -> Section:
     """The section of a hold.
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.hold.meter import Reading
-from signum.frames.frame import Picture, grey
+from signum.common.arrays import Floats, Image
+from signum.frames.frame import grey
 from signum.report.draw import write_line
 from signum.tables.table import Table
 
@@ -30,8 +30,8 @@ def hold_row(frame: str, time: float, r: Reading) -> list[object]:
     return [frame, f"{time:.3f}", *figures, r.confidence, r.agreed, r.tried]
 
 
-def draw_reading(picture: Picture, reading: Reading, features: NDArray[np.float64], window: int, words: str = ""
-                 ) -> Picture:
+def draw_reading(picture: Image, reading: Reading, features: Floats, window: int, words: str = ""
+                 ) -> Image:
     """A frame with the station's features where the reading puts them, red where there is no reading.
 
     Args:
@@ -66,7 +66,7 @@ class HoldRecord:
     truth: bool
     often: float = 60.0
     most: int = 9
-    shots: list[tuple[str, Picture]] = field(default_factory=list)
+    shots: list[tuple[str, Image]] = field(default_factory=list)
     rows: list[tuple[float, ...]] = field(default_factory=list)
     valid: int = 0
     _table: Table = field(init=False, repr=False)
@@ -76,7 +76,7 @@ class HoldRecord:
     def __post_init__(self) -> None:
         self._table = Table(self.folder / "hold.csv", [*HOLD, *TRUTH] if self.truth else HOLD)
 
-    def add(self, name: str, time: float, reading: Reading, picture: Picture, features: NDArray[np.float64],
+    def add(self, name: str, time: float, reading: Reading, picture: Image, features: Floats,
             window: int = 64, truth: tuple[float, float, float, float] | None = None) -> None:
         """Take in a frame.
 
@@ -98,7 +98,7 @@ class HoldRecord:
         self._was_valid = reading.valid
 
     @property
-    def series(self) -> NDArray[np.float64]:
+    def series(self) -> Floats:
         """(n, 6) time, forward, right, heading, range, confidence, and (n, 10) with the truth's four behind."""
         return np.array(self.rows, np.float64).reshape(len(self.rows), 10 if self.truth else 6)
 

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.hold.keeper import Sensed, StationKeeper
 from signum.applications.hold.meter import Level, Reading, StationMeter
+from signum.common.arrays import Floats, Image
 from signum.common.errors import SignumError
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurer
@@ -19,10 +19,6 @@ from signum.world.seafloor import Float, Seafloor
 from signum.world.vehicle import DOWN, Current, PanTilt, Vehicle
 from signum.world.water import PAPER, Water
 from signum.world.world import Shot, World
-
-Array = NDArray[np.float64]
-Picture = NDArray[np.uint8]
-
 
 SURGE = Current(steady=(0.2, 0.0), surge=(0.06, 0.08, 0.03), period=8.0)
 """A fifth of a metre per second, with surge from all sides."""
@@ -79,8 +75,8 @@ class Moment:
     reading: Reading
     truth: tuple[float, float, float, float]
     range_m: float
-    frame: Picture
-    features: Array
+    frame: Image
+    features: Floats
     level: tuple[float, float] = (0.0, 0.0)
 
     @property
@@ -178,7 +174,7 @@ class HoldFigures:
     worst_valid_m: float
     wrong: int
     longest_blind: int = 0
-    series: Array = field(default_factory=lambda: np.zeros((0, 13)), repr=False)
+    series: Floats = field(default_factory=lambda: np.zeros((0, 13)), repr=False)
 
 
 WRONG_M, WRONG_RAD = 0.04, 0.02
@@ -190,7 +186,7 @@ def judge(moments: Sequence[Moment], settle: float = 10.0) -> HoldFigures:
     return judge_rows(np.array([m.row for m in moments]), settle)
 
 
-def judge_rows(rows: Array, settle: float = 10.0, apart: Sequence[tuple[float, float]] = ()) -> HoldFigures:
+def judge_rows(rows: Floats, settle: float = 10.0, apart: Sequence[tuple[float, float]] = ()) -> HoldFigures:
     """Figures of a hold from its moments' rows (n, 13), from `settle` seconds on.
 
     Args:

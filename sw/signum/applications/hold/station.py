@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from signum.applications.pid import Gains, Pid
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, View
 from signum.measure.predict import SearchPredictor
@@ -60,7 +60,7 @@ class Station:
         count: windows (across, down) laid over the picture.
     """
 
-    def __init__(self, measurer: Measurer, frame: Picture, focal: float, height: float, window: int = 64,
+    def __init__(self, measurer: Measurer, frame: Image, focal: float, height: float, window: int = 64,
                  count: tuple[int, int] = (4, 3)) -> None:
         self._measurer, self.focal, self.height, self.window = measurer, focal, height, window
         self._home: View = measurer.view(frame)
@@ -72,7 +72,7 @@ class Station:
         self._seen, self._before = IDENTITY, IDENTITY
         self._search = SearchPredictor(floor=6, widest=32)
 
-    def look(self, frame: Picture) -> Fix:
+    def look(self, frame: Image) -> Fix:
         """Where the vehicle is, by the live picture."""
         live = self._measurer.view(frame)
         try:
@@ -120,7 +120,7 @@ class Moment:
     true: tuple[float, float]
     fix: Fix
     command: tuple[float, float]
-    picture: Picture
+    picture: Image
 
 
 def hold(measurer: Measurer, camera: Camera, vehicle: Vehicle, seconds: float, dt: float = 0.2, window: int = 64,

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.signal import cont2discrete
 
-Matrix = NDArray[np.float64]
+from signum.common.arrays import Complexes, Floats
+
 PEAK = 2.0
 """Bound of both peaks."""
 
@@ -42,7 +42,7 @@ class Axis:
 
 
 def loop(axis: Axis, gains: tuple[float, float, float], points: int = 400
-         ) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+         ) -> tuple[Floats, Complexes]:
     """Frequencies (points,) rad/s up to the Nyquist frequency, and the open loop's response there.
 
     Args:
@@ -58,7 +58,7 @@ def loop(axis: Axis, gains: tuple[float, float, float], points: int = 400
 
 
 @lru_cache(maxsize=16)
-def _sampled(axis: Axis) -> tuple[Matrix, Matrix]:
+def _sampled(axis: Axis) -> tuple[Floats, Floats]:
     """How position, speed and thrust (3,) go from frame to frame, and what a held force adds to them."""
     a = np.array([[0, 1, 0], [0, -axis.drag / axis.inertia, 1 / axis.inertia],
                   [0, -axis.damper / axis.lag, -1 / axis.lag]])
@@ -88,7 +88,7 @@ def peaks(axis: Axis, gains: tuple[float, float, float]) -> tuple[float, float]:
 
 def tune(axis: Axis, seed: int = 0) -> tuple[float, float, float]:
     """Proportional, integral and rate gain with the largest integral gain within PEAK."""
-    def cost(logs: NDArray[np.float64]) -> float:
+    def cost(logs: Floats) -> float:
         p, i, d = (float(v) for v in np.exp(logs))
         worst = max(peaks(axis, (p, i, d)))
         return -float(logs[1]) + 50 * max(0.0, min(worst, 1e3) - PEAK)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from signum.applications.hold.keeper import Sensed, StationKeeper
 from signum.applications.hold.meter import Reading, StationMeter
+from signum.common.arrays import Floats, Image
 from signum.common.errors import SourceError
 from signum.frames.fit import Fit
-from signum.frames.frame import Frame, Picture, Source
+from signum.frames.frame import Frame, Source
 from signum.measure.measurer import Measurer
 
 
@@ -23,8 +21,8 @@ class Seen:
     name: str
     time: float
     reading: Reading
-    picture: Picture
-    features: NDArray[np.float64]
+    picture: Image
+    features: Floats
 
 
 def watch(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float, rate: float,

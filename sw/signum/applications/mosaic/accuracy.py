@@ -13,9 +13,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.mosaic.pose import Pose
+from signum.common.arrays import Complexes, Floats
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
 
@@ -26,8 +26,6 @@ EAST = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
 NORTH = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
 PIXELS = ("x_px", "y_px")
 HEADING = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +98,7 @@ def _column(path: Path, heads: set[str], known: Sequence[str], what: str) -> str
                       f"(there are: {', '.join(sorted(filter(None, heads))) or 'none'})")
 
 
-def align(z: Complex, w: Complex, scaled: bool = True) -> Similarity:
+def align(z: Complexes, w: Complexes, scaled: bool = True) -> Similarity:
     """The best similarity (or rigid motion, if not `scaled`) in least squares of points z (n,) onto w (n,), n >= 2."""
     a, b = z - z.mean(), w - w.mean()
     cross, power = complex(np.vdot(a, b)), float(np.vdot(a, a).real)
@@ -124,9 +122,9 @@ class Error:
 
     frames: list[str]
     onto: Similarity
-    ape: Real
-    rpe: Real
-    turn: Real
+    ape: Floats
+    rpe: Floats
+    turn: Floats
 
 
 def judge(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> Error:

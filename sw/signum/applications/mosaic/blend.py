@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.frames.frame import Picture
-from signum.geometry.similarity import Points, Similarity, corners
+from signum.common.arrays import Floats, Image
+from signum.geometry.similarity import Similarity, corners
 
 MOST_PIXELS = 100_000_000
 """Of a mosaic; a larger one is made at a smaller scale."""
@@ -43,12 +43,12 @@ class Mosaic:
         scale: its pixels per pixel of the mosaic plane; 1 unless the mosaic would have been too large.
     """
 
-    picture: Picture
+    picture: Image
     origin: tuple[float, float]
     scale: float
 
 
-def compose(pictures: Sequence[Picture], places: Sequence[Similarity], most_pixels: int = MOST_PIXELS,
+def compose(pictures: Sequence[Image], places: Sequence[Similarity], most_pixels: int = MOST_PIXELS,
             block: int = BLOCK) -> Mosaic:
     """Blend pictures.
 
@@ -78,14 +78,14 @@ def compose(pictures: Sequence[Picture], places: Sequence[Similarity], most_pixe
     return Mosaic(out, (float(low[0]), float(low[1])), scale)
 
 
-def bounds(sizes: Sequence[tuple[int, int]], places: Sequence[Similarity]) -> tuple[Points, Points]:
+def bounds(sizes: Sequence[tuple[int, int]], places: Sequence[Similarity]) -> tuple[Floats, Floats]:
     """Lowest and highest whole position (2,) in the mosaic plane that frames of these (width, height) cover."""
     all_corners = np.vstack([place(corners(size)) for size, place in zip(sizes, places, strict=True)])
     return np.floor(all_corners.min(axis=0)), np.ceil(all_corners.max(axis=0))
 
 
-def sketch(thumbs: Sequence[Picture], places: Sequence[Similarity], size: tuple[int, int],
-           most_pixels: int = 1_000_000) -> Picture:
+def sketch(thumbs: Sequence[Image], places: Sequence[Similarity], size: tuple[int, int],
+           most_pixels: int = 1_000_000) -> Image:
     """A quick mosaic of small copies laid over one another, the latest on top: for watching it grow.
 
     Args:
@@ -112,7 +112,7 @@ def sketch(thumbs: Sequence[Picture], places: Sequence[Similarity], size: tuple[
     return canvas
 
 
-def _tile(picture: Picture, place: Similarity) -> tuple[Picture, Picture, tuple[int, int]]:
+def _tile(picture: Image, place: Similarity) -> tuple[Image, Image, tuple[int, int]]:
     """The picture warped, with its mask and the mosaic pixel of its corner."""
     framed = place(corners((picture.shape[1], picture.shape[0])))
     low = np.maximum(np.floor(framed.min(axis=0)), 0).astype(int)
@@ -125,7 +125,7 @@ def _tile(picture: Picture, place: Similarity) -> tuple[Picture, Picture, tuple[
     return np.asarray(tile, np.uint8), np.asarray(mask, np.uint8), (int(low[0]), int(low[1]))
 
 
-def _coloured(picture: Picture) -> Picture:
+def _coloured(picture: Image) -> Image:
     return picture if picture.ndim == 3 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR), np.uint8)
 
 
@@ -142,11 +142,11 @@ class _Matched:
 
     place: Similarity
     box: Box
-    seam: Picture
-    even: Callable[[Picture, tuple[int, int], Picture], Picture]
+    seam: Image
+    even: Callable[[Image, tuple[int, int], Image], Image]
     light: NDArray[np.float32] | None
 
-    def tile(self, picture: Picture) -> tuple[Picture, Picture, tuple[int, int]]:
+    def tile(self, picture: Image) -> tuple[Image, Image, tuple[int, int]]:
         """The picture as it enters the mosaic: tile, mask, corner."""
         tile, mask, spot = _tile(_lit(_coloured(picture), self.light), self.place)
         tile = self.even(tile, spot, mask)
@@ -154,7 +154,7 @@ class _Matched:
         return tile, np.where(np.asarray(wide) > 127, mask, 0).astype(np.uint8), spot
 
 
-def _match(pictures: Sequence[Picture], places: Sequence[Similarity]) -> list[_Matched]:
+def _match(pictures: Sequence[Image], places: Sequence[Similarity]) -> list[_Matched]:
     """Even out the exposure of the pictures and find the seams along which they differ least.
 
     Both are worked out at a smaller scale. The gains are one number a picture, for exposure, then smooth maps, for the
@@ -191,8 +191,8 @@ def _match(pictures: Sequence[Picture], places: Sequence[Similarity]) -> list[_M
         small = [np.asarray(compensator.apply(i, at[i], t, cut[i]), np.uint8) for i, t in enumerate(small)]
         compensators.append(compensator)
 
-    def evener(index: int) -> Callable[[Picture, tuple[int, int], Picture], Picture]:
-        def even(tile: Picture, spot: tuple[int, int], mask: Picture) -> Picture:
+    def evener(index: int) -> Callable[[Image, tuple[int, int], Image], Image]:
+        def even(tile: Image, spot: tuple[int, int], mask: Image) -> Image:
             for compensator in compensators:
                 tile = np.asarray(compensator.apply(index, spot, tile, mask), np.uint8)
             return tile
@@ -205,7 +205,7 @@ def _match(pictures: Sequence[Picture], places: Sequence[Similarity]) -> list[_M
             for i, (place, box, seam) in enumerate(zip(places, boxes, grown, strict=True))]
 
 
-def _common_light(pictures: Sequence[Picture]) -> NDArray[np.float32] | None:
+def _common_light(pictures: Sequence[Image]) -> NDArray[np.float32] | None:
     """What to multiply every picture by so that their mean is even: the lamp and the lens are the same in all; float32
     (h, w), small. None where pictures differ in size."""
     total, size = np.zeros((24, 32)), None
@@ -219,14 +219,14 @@ def _common_light(pictures: Sequence[Picture]) -> NDArray[np.float32] | None:
     return np.asarray(np.clip(mean.mean() / np.maximum(mean, 1.0), 0.3, 3.0), np.float32)
 
 
-def _lit(picture: Picture, light: NDArray[np.float32] | None) -> Picture:
+def _lit(picture: Image, light: NDArray[np.float32] | None) -> Image:
     if light is None:
         return picture
     gain = np.asarray(cv2.resize(light, picture.shape[1::-1], interpolation=cv2.INTER_CUBIC))
     return np.asarray(np.clip(picture * (gain if picture.ndim == 2 else gain[:, :, None]), 0, 255), np.uint8)
 
 
-def _blend(pictures: Sequence[Picture], matched: Sequence[_Matched], box: Box) -> Picture | None:
+def _blend(pictures: Sequence[Image], matched: Sequence[_Matched], box: Box) -> Image | None:
     """A block of the mosaic, uint8 (h, w, 3); None where no picture reaches."""
     wide = box[0] - MARGIN, box[1] - MARGIN, box[2] + MARGIN, box[3] + MARGIN
     blender = cv2.detail.MultiBandBlender()
@@ -244,8 +244,8 @@ def _blend(pictures: Sequence[Picture], matched: Sequence[_Matched], box: Box) -
     return out[MARGIN:MARGIN + box[3] - box[1], MARGIN:MARGIN + box[2] - box[0]]
 
 
-def _tiles(pictures: Sequence[Picture], matched: Sequence[_Matched],
-           wide: Box) -> Iterator[tuple[Picture, Picture, tuple[int, int]]]:
+def _tiles(pictures: Sequence[Image], matched: Sequence[_Matched],
+           wide: Box) -> Iterator[tuple[Image, Image, tuple[int, int]]]:
     """Tiles that reach into a box, cut to it."""
     for index, how in enumerate(matched):
         if how.box[0] >= wide[2] or how.box[1] >= wide[3] or how.box[2] <= wide[0] or how.box[3] <= wide[1]:

@@ -25,7 +25,8 @@ import numpy as np
 from signum.applications.mosaic.blend import compose
 from signum.applications.mosaic.pose import Pose, Settings
 from signum.applications.pid import Gains, Pid
-from signum.frames.frame import Frame, Picture
+from signum.common.arrays import Image
+from signum.frames.frame import Frame
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Prepared, Registrar, Registration
 from signum.tables.schemas import EDGES, POSES
@@ -65,7 +66,7 @@ class Stored:
     """A stored frame and its place: pixels of the frame -> mosaic plane of its piece."""
 
     name: str
-    picture: Picture
+    picture: Image
     prepared: Prepared
     place: Similarity
 
@@ -221,7 +222,7 @@ class Column:
                 mosaic = compose(pictures, places)
                 cv2.imwrite(str(self.out / f"mosaic{self._suffix(number)}.png"), mosaic.picture)
 
-    def _shown(self, piece: Piece, last: bool) -> tuple[list[Picture], list[Similarity]]:
+    def _shown(self, piece: Piece, last: bool) -> tuple[list[Image], list[Similarity]]:
         """What a piece's mosaic shows: its stored frames, and of the one at work the last frame that was placed."""
         pictures, places = [s.picture for s in piece.stored], [s.place for s in piece.stored]
         if last and self._last is not None:
@@ -235,7 +236,7 @@ class Flight:
     """What the automatic mode tells after each live frame."""
 
     time: float
-    picture: Picture
+    picture: Image
     section: tuple[float, float]
     """Where the section is in the live frame, pixels."""
     error: tuple[float, float]

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import tifffile
 
-from signum.applications.mosaic.accuracy import Complex, Track, align
+from signum.applications.mosaic.accuracy import Track, align
 from signum.applications.mosaic.blend import Mosaic
 from signum.applications.mosaic.pose import Pose
+from signum.common.arrays import Complexes, Image
 from signum.common.errors import SignumError
-from signum.frames.frame import Picture
 from signum.geometry.similarity import Similarity
 
 PIXEL_SCALE, TIEPOINT, GEO_KEYS, GEO_TEXT, NO_DATA = 33550, 33922, 34735, 34737, 42113
@@ -97,7 +97,7 @@ def by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
     return Georeference(onto, "navigation log, metres", epsg, float(np.sqrt(np.mean(off**2))))
 
 
-def _least_median(z: Complex, w: Complex) -> Similarity:
+def _least_median(z: Complexes, w: Complexes) -> Similarity:
     """The similarity through two points whose median miss is least: half of the fixes may be wrong."""
     chosen = np.unique(np.linspace(0, len(z) - 1, min(len(z), PAIRED)).astype(int))
     best, least = align(z, w), np.inf
@@ -134,7 +134,7 @@ def write_geotiff(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
     directory = (1, 1, 1, len(keys), *(value for key in keys for value in key))
     # An area's pixel (0, 0) begins half a pixel before its centre.
     tie = (0.0, 0.0, 0.0, east - step / 2, north + step / 2, 0.0)
-    picture: Picture = mosaic.picture if mosaic.picture.ndim == 2 else np.ascontiguousarray(mosaic.picture[:, :, ::-1])
+    picture: Image = mosaic.picture if mosaic.picture.ndim == 2 else np.ascontiguousarray(mosaic.picture[:, :, ::-1])
     tifffile.imwrite(
         path, picture, photometric="minisblack" if picture.ndim == 2 else "rgb", compression="zlib", tile=(256, 256),
         bigtiff=picture.nbytes > 3_000_000_000, metadata=None,

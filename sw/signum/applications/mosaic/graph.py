@@ -19,15 +19,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from signum.applications.mosaic.links import Link
+from signum.common.arrays import Complexes, Floats
 from signum.geometry.similarity import IDENTITY, Similarity
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 FLOOR_PX = 1.0
 """Error of a window beside what its link's residual shows, original pixels: half a pixel of the board and a bit."""
@@ -53,8 +50,8 @@ class Solution:
     """
 
     places: dict[str, Similarity]
-    weights: Real
-    misfit_px: Real
+    weights: Floats
+    misfit_px: Floats
     usual: float
     _names: dict[str, int] = field(default_factory=dict, repr=False)
     _factor: SuperLU | None = field(default=None, repr=False)
@@ -166,7 +163,7 @@ class _System:
         self.unknowns = 2 * len(names)
         self.redundant = len(links) > len(names) - 1
 
-    def linear(self, poses: Complex) -> tuple[Complex, csc_matrix]:
+    def linear(self, poses: Complexes) -> tuple[Complexes, csc_matrix]:
         """Residuals (2 a link), pixels, and their derivatives by all poses but the first."""
         fa, ta, fb, tb = poses[2 * self.a], poses[2 * self.a + 1], poses[2 * self.b], poses[2 * self.b + 1]
         there = (fa * self.middle + ta - tb) / fb

@@ -22,8 +22,8 @@ from urllib.parse import quote
 import cv2
 import numpy as np
 
+from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.frames.frame import Picture
 from signum.measure.register import Prepared, Registrar
 
 MADE = "mosaic*.png", "mosaic*.tif", "mosaic*.pgw", "poses*.csv", "accuracy*.csv"
@@ -83,7 +83,7 @@ class Shelf:
         for old in (file for kind in MADE for file in self.folder.glob(kind)):
             old.unlink()
 
-    def save(self, name: str, picture: Picture) -> None:
+    def save(self, name: str, picture: Image) -> None:
         """Keep a frame."""
         write_picture(self._path(name), picture)
 
@@ -103,7 +103,7 @@ class Shelf:
     def _starts(self) -> Path:
         return self.frames / "starts.txt"
 
-    def picture(self, name: str) -> Picture:
+    def picture(self, name: str) -> Image:
         """A kept frame.
 
         Raises:
@@ -122,7 +122,7 @@ class Shelf:
             self._prepared.popitem(last=False)
         return found
 
-    def pictures(self, names: Sequence[str]) -> Sequence[Picture]:
+    def pictures(self, names: Sequence[str]) -> Sequence[Image]:
         """Kept frames as a sequence that reads each when it is asked for."""
         return _Pictures(self, names)
 
@@ -144,21 +144,21 @@ class Shelf:
             return None
 
 
-class _Pictures(Sequence[Picture]):
+class _Pictures(Sequence[Image]):
     def __init__(self, shelf: Shelf, names: Sequence[str]) -> None:
         self._shelf, self._names = shelf, names
 
     def __len__(self) -> int:
         return len(self._names)
 
-    def __getitem__(self, index: int) -> Picture:  # type: ignore[override]  # slices are not asked for
+    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # slices are not asked for
         return self._shelf.picture(self._names[index])
 
-    def __iter__(self) -> Iterator[Picture]:
+    def __iter__(self) -> Iterator[Image]:
         return (self._shelf.picture(name) for name in self._names)
 
 
-def write_picture(path: Path, picture: Picture) -> None:
+def write_picture(path: Path, picture: Image) -> None:
     """Write a PNG so that the file is always a whole one."""
     _, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
     _replace(path, data.tobytes())

@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from signum.frames.frame import Picture
+from signum.common.arrays import Floats, Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.geometry.similarity import Similarity
 from signum.world.camera import Pinhole
@@ -83,7 +82,7 @@ class Flown:
     """
 
     plan: Plan
-    frames: dict[Cell, Picture]
+    frames: dict[Cell, Image]
     truth: dict[Cell, Similarity]
 
     def position(self, cell: Cell) -> complex:
@@ -150,10 +149,10 @@ def _seen(camera: Pinhole, sight: Sight, plan: Plan) -> Similarity:
 
 
 def orthographic(floor: Seafloor, north: float, east: float, size: tuple[int, int], pixel_m: float,
-                 noise: float, rng: np.random.Generator) -> Picture:
+                 noise: float, rng: np.random.Generator) -> Image:
     """What a camera with parallel rays sees straight down: uint8 (height, width), image up is north."""
     u, v = np.meshgrid(np.arange(size[0]) - (size[0] - 1) / 2, np.arange(size[1]) - (size[1] - 1) / 2)
     x = np.asarray(north - v * pixel_m, np.float32)
     y = np.asarray(east + u * pixel_m, np.float32)
-    seen: NDArray[np.float64] = floor.albedo(x, y, pixel_m) + rng.normal(0, noise, x.shape)
+    seen: Floats = floor.albedo(x, y, pixel_m) + rng.normal(0, noise, x.shape)
     return np.asarray(np.clip(np.rint(seen), 0, 255), np.uint8)

@@ -29,8 +29,9 @@ from signum.applications.mosaic.links import JOIN, LIVE, LOOP, SEQUENCE, Link, r
 from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.shelf import ResumeError, Run, write_picture, write_text
+from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.frames.frame import Frame, Picture
+from signum.frames.frame import Frame
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Prepared, Registrar
 from signum.tables.schemas import POSES
@@ -67,7 +68,7 @@ class Survey(Ledger):
         self.trouble = ""
         """Why `ground` could not be told, after `close`."""
         self._every, self._seen_at, self._look_took = every, time.monotonic(), 0.0
-        self._thumbs: dict[str, Picture] = {}
+        self._thumbs: dict[str, Image] = {}
         self._lost = 0
         self._forget()
         if resume:
@@ -210,7 +211,7 @@ class Survey(Ledger):
         self.shelf.prepared(frame.name, self.registrar, prepared)
         self._thumb(frame.name, frame.picture)
 
-    def _thumb(self, name: str, picture: Picture | None = None) -> Picture:
+    def _thumb(self, name: str, picture: Image | None = None) -> Image:
         if name not in self._thumbs:
             whole = self.shelf.picture(name) if picture is None else picture
             less = THUMB / max(whole.shape[:2])

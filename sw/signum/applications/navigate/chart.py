@@ -10,8 +10,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.frames.frame import Picture, grey, read_picture
+from signum.frames.frame import grey, read_picture
 
 CLOSED = 5
 """Pixels: dark specks up to this wide inside the mosaic are covered all the same."""
@@ -33,12 +34,12 @@ class Chart:
         places: named places, pixels.
     """
 
-    picture: Picture
-    covered: Picture
+    picture: Image
+    covered: Image
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, picture: Picture, covered: Picture | None = None, places: dict[str, tuple[float, float]] | None = None
+    def of(cls, picture: Image, covered: Image | None = None, places: dict[str, tuple[float, float]] | None = None
            ) -> Chart:
         """From a mosaic's picture; black is taken for not covered where nothing else is said."""
         image = grey(picture)
@@ -108,7 +109,7 @@ class Chart:
         return Chart(np.asarray(picture, np.uint8), np.asarray(covered, np.uint8))
 
 
-def filled(chart: Chart) -> Picture:
+def filled(chart: Chart) -> Image:
     """The picture with what is not covered in its mean grey, so that the mosaic's border is no more than a step."""
     inside: NDArray[np.bool_] = chart.covered > 0
     return np.where(inside, chart.picture, np.uint8(round(float(chart.picture[inside].mean())))).astype(np.uint8)

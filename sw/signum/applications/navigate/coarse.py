@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.applications.navigate.chart import Chart, filled
-from signum.frames.frame import Picture
-from signum.geometry.similarity import Points, Similarity, fit, vote
+from signum.common.arrays import Floats, Image
+from signum.geometry.similarity import Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query
 from signum.measure.register import ANYTHING
 
@@ -52,7 +52,7 @@ class CoarseSearch:
                       min(largest[1], max(self._chart.size[1], self._small[1])))
         self._tiles = self._cut()
 
-    def candidates(self, live: Picture, turns_deg: Sequence[float], convinced: int, rot_deg: float, zoom: float,
+    def candidates(self, live: Image, turns_deg: Sequence[float], convinced: int, rot_deg: float, zoom: float,
                    most: int) -> list[Similarity]:
         """Similarities from the frame to the chart, the most voted first.
 
@@ -74,7 +74,7 @@ class CoarseSearch:
         up = Similarity(self._shrink + 0j, HALF * self._shrink - HALF)
         return [up @ s @ up.inverse for _, s in found[:most]]
 
-    def _cut(self) -> list[tuple[Picture, tuple[int, int]]]:
+    def _cut(self) -> list[tuple[Image, tuple[int, int]]]:
         """Pictures of the tile's size that cover the mosaic, and their corners."""
         picture, covered, (width, height) = filled(self._chart), self._chart.covered, self._tile
         out = []
@@ -84,7 +84,7 @@ class CoarseSearch:
                     out.append((_padded(picture[y:y + height, x:x + width], self._tile), (x, y)))
         return out
 
-    def _ask(self, measurer: Measurer, small: Picture, turn_deg: float) -> tuple[Points, Points, Similarity]:
+    def _ask(self, measurer: Measurer, small: Image, turn_deg: float) -> tuple[Floats, Floats, Similarity]:
         """Windows of the turned frame and where each tile has them best, coarse pixels; and the turn."""
         width, height = self._small
         middle = complex((width - 1) / 2, (height - 1) / 2)
@@ -112,7 +112,7 @@ class CoarseSearch:
         return np.array(p, np.float64).reshape(-1, 2), np.array(q, np.float64).reshape(-1, 2), about
 
 
-def elect(p: Points, q: Points, rot_deg: float, zoom: float, most: int) -> list[tuple[int, Similarity]]:
+def elect(p: Floats, q: Floats, rot_deg: float, zoom: float, most: int) -> list[tuple[int, Similarity]]:
     """One similarity p -> q after the other with its votes, each the most voted of the pairs the earlier ones leave."""
     out: list[tuple[int, Similarity]] = []
     while len(p) >= LEAST and len(out) < most:
@@ -138,7 +138,7 @@ def whole(inside: NDArray[np.generic], centre: tuple[int, int], window: int) -> 
     return a - b - c + d >= 0.98 * window * window
 
 
-def _padded(picture: Picture, size: tuple[int, int]) -> Picture:
+def _padded(picture: Image, size: tuple[int, int]) -> Image:
     below, aside = size[1] - picture.shape[0], size[0] - picture.shape[1]
     return np.asarray(cv2.copyMakeBorder(picture, 0, below, 0, aside, cv2.BORDER_REPLICATE), np.uint8)
 

@@ -13,8 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.frames.frame import Picture
-from signum.geometry.similarity import Points
+from signum.common.arrays import Floats, Image
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +40,11 @@ class Conformal:
         at = self.pinhole(np.stack([u, v], axis=-1)).astype(np.float32)
         object.__setattr__(self, "_maps", (at[..., 0], at[..., 1]))
 
-    def __call__(self, picture: Picture) -> Picture:
+    def __call__(self, picture: Image) -> Image:
         """The picture redrawn: uint8 of `shown`."""
         return np.asarray(cv2.remap(picture, *self._maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8)
 
-    def pinhole(self, points: Points) -> Points:
+    def pinhole(self, points: Floats) -> Floats:
         """Pixels (..., 2) of the pinhole picture of pixels of the redrawn one."""
         off = points - (np.array(self.shown) - 1) / 2
         r = np.hypot(off[..., 0], off[..., 1])[..., None] / (2 * self.focal)

@@ -9,14 +9,14 @@ import cv2
 import numpy as np
 
 from signum.applications.navigate.chart import Chart
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 from signum.geometry.similarity import Similarity
 
 GREEN, YELLOW, RED = (80, 220, 60), (0, 220, 255), (60, 60, 240)
 
 
 def draw_path(chart: Chart, centres: Sequence[tuple[float, float]], last: Similarity | None = None,
-              frame: tuple[int, int] = (0, 0), target: tuple[float, float] | None = None) -> Picture:
+              frame: tuple[int, int] = (0, 0), target: tuple[float, float] | None = None) -> Image:
     """The mosaic with a path on it.
 
     Args:

@@ -24,9 +24,9 @@ import numpy as np
 
 from signum.applications.navigate.chart import Chart, filled
 from signum.applications.navigate.coarse import HALF, CoarseSearch, spread, whole
+from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
-from signum.frames.frame import Picture
-from signum.geometry.similarity import Points, Similarity, fit, vote
+from signum.geometry.similarity import Similarity, fit, vote
 from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules
 
 MOST_WINDOWS = (9, 7)
@@ -132,7 +132,7 @@ class Localiser:
         self._coarse = CoarseSearch(measurer, largest, shown.board, self._fine)
         self._measurer: Measurer | None = None
 
-    def locate(self, picture: Picture, prior: Similarity | None = None) -> Place:
+    def locate(self, picture: Image, prior: Similarity | None = None) -> Place:
         """Find a frame.
 
         Args:
@@ -155,7 +155,7 @@ class Localiser:
             return Place(agreed=good[0].agreed, tried=good[0].tried, reason="the mosaic does not hold about the middle")
         return self._said(found[0], True) if found else Place(reason="no windows agree")
 
-    def pinpoint(self, picture: Picture, prior: Similarity, target: tuple[float, float]) -> Points | None:
+    def pinpoint(self, picture: Image, prior: Similarity, target: tuple[float, float]) -> Floats | None:
         """Where a place of the mosaic is in a frame, from the windows about it alone: a mosaic is true only nearby.
 
         Args:
@@ -185,14 +185,14 @@ class Localiser:
                 return self._original(seen + np.average((q - p)[agree], axis=0, weights=weight))
         return None
 
-    def _about(self, live: Picture, guess: Similarity, middle: Points, step: int
-               ) -> tuple[Points, Points, list[Measurement]]:
+    def _about(self, live: Image, guess: Similarity, middle: Floats, step: int
+               ) -> tuple[Floats, Floats, list[Measurement]]:
         """Nine windows, `step` pixels apart, about a point of the frame, as `_measure` gives them."""
         x, y = (int(v) for v in middle)
         centres = [(x + i * step, y + j * step) for j in (-1, 0, 1) for i in (-1, 0, 1)]
         return self._measure(live, guess, centres, self.limits.reach // 2)
 
-    def _held(self, live: Picture, look: _Look) -> bool:
+    def _held(self, live: Image, look: _Look) -> bool:
         """Whether most windows about the frame's middle, those without texture aside, are where a comparison says."""
         p, q, answers = self._about(live, look.similarity, np.array(self.shown.board) // 2, self.window // 2)
         agreed = int((np.hypot(*(q - p).T) <= self.limits.miss * self.window).sum())
@@ -218,7 +218,7 @@ class Localiser:
         confidence = max(1, round(100 * share * min(1.0, (look.score - 0.5) / 0.25)))
         return Place(found, (float(x), float(y)), look.score, confidence, look.agreed, look.tried)
 
-    def _look(self, live: Picture, guess: Similarity, twice: bool = False) -> _Look:
+    def _look(self, live: Image, guess: Similarity, twice: bool = False) -> _Look:
         """Compare a frame with what it should show; where that turns out to be turned or scaled, once more: and `twice`
         in any case where the guess is a rough one, whose searches may have ended short of half the windows."""
         look = self._compare(live, guess)
@@ -229,7 +229,7 @@ class Localiser:
             look = again if again.agreed >= look.agreed else look
         return look
 
-    def _compare(self, live: Picture, guess: Similarity) -> _Look:
+    def _compare(self, live: Image, guess: Similarity) -> _Look:
         across, down = (min(most, max(2, math.ceil(1.5 * (n - self.window) / self.window)))
                         for most, n in zip(MOST_WINDOWS, self.shown.board, strict=True))
         centres = spread(self.window, self.shown.board, (across, down))
@@ -245,8 +245,8 @@ class Localiser:
             return _Look(guess, 0, tried)
         return _Look(guess @ result.similarity.inverse, scores.size, tried, float(np.median(scores)))
 
-    def _measure(self, live: Picture, guess: Similarity, centres: Sequence[tuple[int, int]], reach: int
-                 ) -> tuple[Points, Points, list[Measurement]]:
+    def _measure(self, live: Image, guess: Similarity, centres: Sequence[tuple[int, int]], reach: int
+                 ) -> tuple[Floats, Floats, list[Measurement]]:
         """Windows of what the frame should show, searched for in it: centres (n, 2) of the valid ones, where they are
         (n, 2), and all answers; windows not on the mosaic are left out."""
         size, flags = self.shown.board, cv2.WARP_INVERSE_MAP

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from signum.applications.navigate.localise import Localiser, Place
-from signum.frames.frame import Picture
-from signum.geometry.similarity import Points, Similarity
+from signum.common.arrays import Floats, Image
+from signum.geometry.similarity import Similarity
 
 PATIENCE = 3
 """Frames not found before everything is searched."""
@@ -34,7 +34,7 @@ class Aim:
     """
 
     place: Place
-    error: Points
+    error: Floats
     sharp: bool
 
     @property
@@ -61,7 +61,7 @@ class Pilot:
         """Search everywhere next time."""
         self._last = None
 
-    def look(self, picture: Picture) -> Aim:
+    def look(self, picture: Image) -> Aim:
         """Find a frame, and the target in it."""
         place = Place()
         if self._last is not None:

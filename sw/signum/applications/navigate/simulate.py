@@ -8,15 +8,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.mosaic.ledger import CURVED
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.conformal import Conformal
 from signum.applications.navigate.localise import Localiser, Place
 from signum.applications.navigate.pilot import Aim, PanTiltSteering, Pilot
-from signum.applications.navigate.truth import Array, Make, Taken, Truth, survey
-from signum.frames.frame import Picture
+from signum.applications.navigate.truth import Make, Taken, Truth, survey
+from signum.common.arrays import Floats, Image
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, PanTilt, Vehicle
@@ -52,8 +51,8 @@ class Step:
 
     time: float
     aim: Aim
-    truth: Array
-    frame: Picture
+    truth: Floats
+    frame: Image
 
 
 @dataclass
@@ -80,7 +79,7 @@ class PanTiltSite:
         """Width and height of the frames, pixels."""
         return self.redrawn.shown
 
-    def look(self, head: PanTilt) -> Picture:
+    def look(self, head: PanTilt) -> Image:
         """What the camera sees now, redrawn."""
         return self._take(head).picture
 
@@ -101,7 +100,7 @@ class PanTiltSite:
                 yield self._take(PanTilt(pan=float(pan), tilt=float(tilt)))
                 self.world.step(0.5)
 
-    def true_way(self, target: NDArray[np.float64], head: PanTilt) -> Array:
+    def true_way(self, target: Floats, head: PanTilt) -> Floats:
         """Truth: (2,) from the middle of the frame to a world point, pixels."""
         seen = self.camera.project(DOWN.sight(self.vehicle, head), target)[0]
         return np.asarray(seen - np.array(self.camera.centre), np.float64)

@@ -14,15 +14,15 @@ from signum.applications.mosaic.blend import bounds
 from signum.applications.mosaic.ledger import Settings
 from signum.applications.mosaic.survey import Survey
 from signum.applications.navigate.chart import Chart
+from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
-from signum.frames.frame import Frame, Picture
+from signum.frames.frame import Frame
 from signum.geometry.camera import Sight
-from signum.geometry.similarity import Points, Similarity
+from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
 from signum.world.camera import Pinhole
 
-Array = NDArray[np.float64]
 Make = Callable[[tuple[int, int], float], Measurer]
 SIGMA = 2.0
 WINDOW = 64
@@ -34,7 +34,7 @@ PATCH = 12
 class Taken:
     """A picture of a simulated survey, where it was taken from, and its depths as the pinhole camera had them."""
 
-    picture: Picture
+    picture: Image
     sight: Sight
     depth: NDArray[np.float32]
 
@@ -50,10 +50,10 @@ class Truth:
     """
 
     camera: Pinhole
-    pinhole: Callable[[Points], Points]
+    pinhole: Callable[[Floats], Floats]
     shots: list[tuple[Similarity, Taken]] = field(default_factory=list)
 
-    def world_point(self, chart: Chart, target: tuple[float, float]) -> Array:
+    def world_point(self, chart: Chart, target: tuple[float, float]) -> Floats:
         """The world point (3,) a pixel of the mosaic shows: that of the picture it looks most like there, for seams may
         run anywhere."""
         at = np.array(target)
@@ -103,7 +103,7 @@ def random_target(chart: Chart, size: tuple[int, int], rng: np.random.Generator)
             return x, y
 
 
-def _likeness(mosaic: Picture, at: Array, place: Similarity, shot: Taken) -> float:
+def _likeness(mosaic: Image, at: Floats, place: Similarity, shot: Taken) -> float:
     """Correlation of the mosaic with a picture about a place, -1..1; -1 where the picture does not show it."""
     here = place.inverse(at)
     if ((here < PATCH) | (here > np.array(shot.picture.shape[::-1]) - 1 - PATCH)).any():

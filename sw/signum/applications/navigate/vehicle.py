@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from signum.applications.hold.keeper import STRIDE_M, Axes
 from signum.applications.navigate.chart import Chart
@@ -16,6 +15,7 @@ from signum.applications.navigate.localise import Localiser
 from signum.applications.navigate.pilot import Aim, Pilot
 from signum.applications.navigate.simulate import Step
 from signum.applications.navigate.truth import Make, Taken, Truth, survey
+from signum.common.arrays import Floats
 from signum.geometry.camera import LOOK_DOWN, rotation
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
@@ -66,9 +66,9 @@ class VehicleSteering:
 
     def __post_init__(self) -> None:
         self._loops = self.axes.loops()
-        self._errors: NDArray[np.float64] | None = None
+        self._errors: Floats | None = None
 
-    def forces(self, aim: Aim, level: tuple[float, float], dt: float) -> NDArray[np.float64]:
+    def forces(self, aim: Aim, level: tuple[float, float], dt: float) -> Floats:
         """(6,) N and N m in body axes.
 
         Args:

@@ -12,7 +12,7 @@ from signum.applications.follow.pilot import Felt, Pilot, Where
 from signum.applications.follow.segment import Segmented, by_motion, one_blob
 from signum.applications.follow.simulate import BASELINE_M, Chase, Row, follow, judge
 from signum.boards.golden import GoldenBoard
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.flow import FlowField
@@ -136,7 +136,7 @@ class _Scripted:
         self.before: View | None = None
         self._script: Iterator[bool] = iter(script)
 
-    def look(self, frames: Sequence[Picture], moved: tuple[float, float]) -> Segmented:
+    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented:
         return _segmented([(1, 1), (1, 2), (2, 1)] if next(self._script) else [])
 
 

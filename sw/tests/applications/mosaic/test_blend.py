@@ -3,14 +3,14 @@
 import numpy as np
 
 from signum.applications.mosaic.blend import LOCAL_GAINS, compose, sketch
-from signum.frames.frame import Picture
+from signum.common.arrays import Image
 from signum.geometry.similarity import Similarity
 from signum.world.scene import gravel
 
 SIZE = 128, 96
 
 
-def _survey(cone: float) -> tuple[list[Picture], list[Similarity], Picture]:
+def _survey(cone: float) -> tuple[list[Image], list[Similarity], Image]:
     """Frames of a photograph, half a frame apart, under a lamp whose light falls by `cone` in the corners."""
     photo = gravel(1.0)
     u, v = np.meshgrid(np.linspace(-1, 1, SIZE[0]), np.linspace(-1, 1, SIZE[1]))
