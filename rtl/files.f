@@ -10,6 +10,7 @@ cells/slog_ram.sv
 cells/slog_mult.sv
 cells/slog_fifo.sv
 cells/slog_clock_gate.sv
+cells/slog_reset_buffer.sv
 cells/slog_reset.sv
 cells/slog_stage.sv
 store/slog_store_slice.sv

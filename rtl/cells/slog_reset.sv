@@ -15,5 +15,6 @@ module slog_reset (
     rst_q2 <= rst_q;
     rst_q3 <= rst_q2;
   end
-  assign rst_o = rst_q3;
+
+  slog_reset_buffer u_buffer (.rst_i(rst_q3), .rst_o);
 endmodule : slog_reset
