@@ -11,7 +11,7 @@ module slog_board
 (
     input  logic                    clk_i,
     input  logic                    rst_i,
-    input  logic [7:0]              s_axil_awaddr,
+    input  logic [AxilAddrW-1:0]    s_axil_awaddr,
     input  logic [2:0]              s_axil_awprot,
     input  logic                    s_axil_awvalid,
     output logic                    s_axil_awready,
@@ -22,7 +22,7 @@ module slog_board
     output logic [1:0]              s_axil_bresp,
     output logic                    s_axil_bvalid,
     input  logic                    s_axil_bready,
-    input  logic [7:0]              s_axil_araddr,
+    input  logic [AxilAddrW-1:0]    s_axil_araddr,
     input  logic [2:0]              s_axil_arprot,
     input  logic                    s_axil_arvalid,
     output logic                    s_axil_arready,
@@ -70,31 +70,30 @@ module slog_board
   result_t result;
   logic [ResultLevelW-1:0] result_level;
 
+  axil_req_t axil_req;
+  axil_rsp_t axil_rsp;
+  assign axil_req = '{
+      awaddr: s_axil_awaddr, awprot: s_axil_awprot, awvalid: s_axil_awvalid,
+      wdata: s_axil_wdata, wstrb: s_axil_wstrb, wvalid: s_axil_wvalid, bready: s_axil_bready,
+      araddr: s_axil_araddr, arprot: s_axil_arprot, arvalid: s_axil_arvalid, rready: s_axil_rready
+  };
+  assign s_axil_awready = axil_rsp.awready;
+  assign s_axil_wready  = axil_rsp.wready;
+  assign s_axil_bresp   = axil_rsp.bresp;
+  assign s_axil_bvalid  = axil_rsp.bvalid;
+  assign s_axil_arready = axil_rsp.arready;
+  assign s_axil_rdata   = axil_rsp.rdata;
+  assign s_axil_rresp   = axil_rsp.rresp;
+  assign s_axil_rvalid  = axil_rsp.rvalid;
+
   logic rst;
   slog_reset u_reset (.clk_i, .rst_i, .rst_o(rst));
 
   slog_control u_control (
       .clk_i,
       .rst_i           (rst),
-      .s_axil_awaddr,
-      .s_axil_awprot,
-      .s_axil_awvalid,
-      .s_axil_awready,
-      .s_axil_wdata,
-      .s_axil_wstrb,
-      .s_axil_wvalid,
-      .s_axil_wready,
-      .s_axil_bresp,
-      .s_axil_bvalid,
-      .s_axil_bready,
-      .s_axil_araddr,
-      .s_axil_arprot,
-      .s_axil_arvalid,
-      .s_axil_arready,
-      .s_axil_rdata,
-      .s_axil_rresp,
-      .s_axil_rvalid,
-      .s_axil_rready,
+      .axil_i          (axil_req),
+      .axil_o          (axil_rsp),
       .hold_o          (hold),
       .width_o         (width),
       .height_o        (height),

@@ -66,4 +66,32 @@ package slog_pkg;
     logic [7:0][ScoreW-1:0] neighbour;  // [0] is NW
     logic [ScoreW-1:0]      runner_up;  // best score outside the best's 3x3 neighbourhood
   } result_t;
+
+  // AXI4-Lite, all five channels: what the host drives, and what the board drives.
+  localparam int unsigned AxilAddrW = 8;
+
+  typedef struct packed {
+    logic [AxilAddrW-1:0] awaddr;
+    logic [2:0]           awprot;
+    logic                 awvalid;
+    logic [31:0]          wdata;
+    logic [3:0]           wstrb;
+    logic                 wvalid;
+    logic                 bready;
+    logic [AxilAddrW-1:0] araddr;
+    logic [2:0]           arprot;
+    logic                 arvalid;
+    logic                 rready;
+  } axil_req_t;
+
+  typedef struct packed {
+    logic        awready;
+    logic        wready;
+    logic [1:0]  bresp;
+    logic        bvalid;
+    logic        arready;
+    logic [31:0] rdata;
+    logic [1:0]  rresp;
+    logic        rvalid;
+  } axil_rsp_t;
 endpackage : slog_pkg

@@ -90,4 +90,4 @@ async def every_clock(dut, shape: str, overlap: int) -> None:
 
 
 def test_control() -> None:
-    simulate("slog_control", __name__, ports=AXI_PORTS)
+    simulate("tb_control", __name__, ports=AXI_PORTS)

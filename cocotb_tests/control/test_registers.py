@@ -248,4 +248,4 @@ async def filter_and_peek(dut) -> None:
 
 
 def test_registers() -> None:
-    simulate("slog_control", __name__, ports=AXI_PORTS)
+    simulate("tb_control", __name__, ports=AXI_PORTS)

@@ -13,25 +13,8 @@ module slog_control
 ) (
     input  logic                           clk_i,
     input  logic                           rst_i,
-    input  logic [7:0]                     s_axil_awaddr,
-    input  logic [2:0]                     s_axil_awprot,
-    input  logic                           s_axil_awvalid,
-    output logic                           s_axil_awready,
-    input  logic [31:0]                    s_axil_wdata,
-    input  logic [3:0]                     s_axil_wstrb,
-    input  logic                           s_axil_wvalid,
-    output logic                           s_axil_wready,
-    output logic [1:0]                     s_axil_bresp,
-    output logic                           s_axil_bvalid,
-    input  logic                           s_axil_bready,
-    input  logic [7:0]                     s_axil_araddr,
-    input  logic [2:0]                     s_axil_arprot,
-    input  logic                           s_axil_arvalid,
-    output logic                           s_axil_arready,
-    output logic [31:0]                    s_axil_rdata,
-    output logic [1:0]                     s_axil_rresp,
-    output logic                           s_axil_rvalid,
-    input  logic                           s_axil_rready,
+    input  axil_req_t                      axil_i,
+    output axil_rsp_t                      axil_o,
     // front ends
     output logic [Cameras-1:0]             hold_o,
     output logic [9:0]                     width_o,
@@ -80,7 +63,7 @@ module slog_control
   // Counters, in the order of the event vector below.
   localparam int unsigned MaxCameras = 2;
   // The one register whose reads wait: peek_data.
-  localparam logic [7:0] PeekData = 8'h84;
+  localparam logic [AxilAddrW-1:0] PeekData = 8'h84;
   localparam int unsigned Events = 6 + 2 * MaxCameras;
 
   slog_csr_pkg::slog_csr__in_t status, hwif_in;
@@ -95,7 +78,7 @@ module slog_control
   logic [31:0] peek_data;
   logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
-  logic [7:0] req_addr;
+  logic [AxilAddrW-1:0] req_addr;
   logic [31:0] req_data, req_biten, rd_data;
 
   // The registers and what answers to them do nothing without an access, an event or a commit or peek under way.
@@ -104,7 +87,7 @@ module slog_control
   ) u_gate (
       .clk_i,
       .rst_i,
-      .active_i(s_axil_awvalid || s_axil_wvalid || s_axil_arvalid || s_axil_bready || s_axil_rready || bus_busy ||
+      .active_i(axil_i.awvalid || axil_i.wvalid || axil_i.arvalid || axil_i.bready || axil_i.rready || bus_busy ||
                 captured_i || dropped_i != '0 || filter_busy || peek_valid_o || peek_done_i),
       .clk_o   (clk)
   );
@@ -121,26 +104,26 @@ module slog_control
   end
 
   slog_axil #(
-      .AddrW   (8),
+      .AddrW   (AxilAddrW),
       .WaitAddr(PeekData)
   ) u_axil (
       .clk_i      (clk),
       .rst_i,
-      .awaddr_i   (s_axil_awaddr),
-      .awvalid_i  (s_axil_awvalid),
-      .awready_o  (s_axil_awready),
-      .wdata_i    (s_axil_wdata),
-      .wstrb_i    (s_axil_wstrb),
-      .wvalid_i   (s_axil_wvalid),
-      .wready_o   (s_axil_wready),
-      .bvalid_o   (s_axil_bvalid),
-      .bready_i   (s_axil_bready),
-      .araddr_i   (s_axil_araddr),
-      .arvalid_i  (s_axil_arvalid),
-      .arready_o  (s_axil_arready),
-      .rdata_o    (s_axil_rdata),
-      .rvalid_o   (s_axil_rvalid),
-      .rready_i   (s_axil_rready),
+      .awaddr_i   (axil_i.awaddr),
+      .awvalid_i  (axil_i.awvalid),
+      .awready_o  (axil_o.awready),
+      .wdata_i    (axil_i.wdata),
+      .wstrb_i    (axil_i.wstrb),
+      .wvalid_i   (axil_i.wvalid),
+      .wready_o   (axil_o.wready),
+      .bvalid_o   (axil_o.bvalid),
+      .bready_i   (axil_i.bready),
+      .araddr_i   (axil_i.araddr),
+      .arvalid_i  (axil_i.arvalid),
+      .arready_o  (axil_o.arready),
+      .rdata_o    (axil_o.rdata),
+      .rvalid_o   (axil_o.rvalid),
+      .rready_i   (axil_i.rready),
       .busy_o     (bus_busy),
       .wait_i     (peek_wait_q),
       .req_o      (req),
@@ -154,9 +137,9 @@ module slog_control
   );
   // Every address answers, and nothing is ever refused, whoever asks.
   logic unused_prot;
-  assign unused_prot = ^{s_axil_awprot, s_axil_arprot};
-  assign s_axil_bresp = 2'b00;
-  assign s_axil_rresp = 2'b00;
+  assign unused_prot = ^{axil_i.awprot, axil_i.arprot};
+  assign axil_o.bresp = 2'b00;
+  assign axil_o.rresp = 2'b00;
 
   slog_csr u_csr (
       .clk,
@@ -355,6 +338,7 @@ module slog_control
   end
   assign irq_o = irq_q;
 
+  `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
   // One access at a time: none is ever stalled, and PeekData is where the map has it.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
   `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 3) && !$past(rst_i) && !$past(rst_i, 2)
