@@ -22,6 +22,7 @@ module slog_fifo #(
     output logic [Width-1:0]  out_data_o,
     output logic [LevelW-1:0] level_o
 );
+  `SLOG_ASSERT_INIT(SlogFifoDepth, Depth >= 1)
   localparam int unsigned AddrW = (Depth > 1) ? $clog2(Depth) : 1;
   localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
 

@@ -13,6 +13,7 @@
 //              rises until en_i falls: the twin takes so long to see it.
 // Formats    : two's complement, 18 x 18 -> 36 bits, exact.
 // Twin       : ecp5/slog_mult.sv is the same module on the ECP5's multiplier block.
+`include "slog_assert.svh"
 module slog_mult (
     input  logic               clk_i,
     input  logic               en_i,
@@ -37,4 +38,6 @@ module slog_mult (
     end
   end
   assign p_o = 36'(p_q2);
+
+  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, en_i |-> b_i == $past(b_i) && b_i == $past(b_i, 2))
 endmodule : slog_mult

@@ -28,4 +28,6 @@ module slog_ram #(
     if (fresh_q) read_q2 <= read_q;
   end
   assign rd_data_o = read_q2;
+
+  `SLOG_ASSERT_NO_RESET(SlogRamReadNotWrite, !(wr_en_i && rd_en_i && wr_addr_i == rd_addr_i))
 endmodule : slog_ram

@@ -40,5 +40,6 @@ module slog_stage #(
     if (free_q || (out_ready_i && !Half)) data_q <= in_data_i;
   end
 
+  `SLOG_ASSERT(SlogStageCopies, free_q == !valid_q)
   `SLOG_ASSERT_STABLE(SlogStageOutStable, out_valid_o, out_ready_i, out_data_o)
 endmodule : slog_stage

@@ -8,6 +8,7 @@
 // Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i, a clock old, keeps new
 //              frames out; the size not in the last clock of that. busy_o shows a frame from 2 clocks after its first
 //              beat to 1 after its end, so hold_i must have been up for a while.
+`include "slog_assert.svh"
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
     parameter int unsigned Radius    = 8,
@@ -151,4 +152,7 @@ module slog_frontend #(
     end
   end
   assign busy_o = busy_q;
+
+  `SLOG_ASSERT(SlogFrontendSettings, $stable({width_i, height_i, g_i, g2_i}) || (!busy_o && $past(hold_i)))
+  `SLOG_ASSERT(SlogFrontendDone, frame_done_o |-> word_valid_o)
 endmodule : slog_frontend

@@ -106,5 +106,7 @@ module slog_line_buffer #(
   end
   assign window_o[Taps-1] = px_q7;
 
+  `SLOG_ASSERT(SlogLineBufferColumn, !(valid_i && ((valid_q[0] && col_i == col_q) || (valid_q[1] && col_i == col_q2)
+                                                   || (valid_q[2] && col_i == col_q3))))
   `SLOG_ASSERT_INIT(SlogLineBufferRadius, Radius >= 8 && (Radius & (Radius - 1)) == 0)
 endmodule : slog_line_buffer

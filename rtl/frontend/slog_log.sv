@@ -9,6 +9,7 @@
 //              busy_o shows a pixel or an abort from 3 clocks after it comes to 1 after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
+`include "slog_assert.svh"
 module slog_log #(
     parameter  int unsigned MaxWidth = 48,
     parameter  int unsigned Radius   = 8,
@@ -194,4 +195,9 @@ module slog_log #(
   assign bit_done_o  = done_q[Latency-1];
   assign bit_abort_o = abort_q[Latency-1];
   assign busy_o      = busy_q;
+
+  `SLOG_ASSERT(SlogLogWholeLines, px_valid_i && !px_last_i |=> px_valid_i)
+  `SLOG_ASSERT(SlogLogLineLength, px_valid_i && px_last_i |-> 32'(px_col_i) >= 2 * Radius + 1)
+  `SLOG_ASSERT(SlogLogLiveOut, px_live_i |-> px_valid_i && px_out_i)
+  `SLOG_ASSERT(SlogLogDistance, px_valid_i && px_out_i |-> px_dist_i <= DistW'(Radius))
 endmodule : slog_log

@@ -7,6 +7,7 @@
 //   2      queue, of Depth words; data_o
 // Latency    : 3 clocks from push_i to data_o when nothing waits: empty_i falls in the clock after push_i.
 // Throughput : a word per camera and clock in, one out.
+`include "slog_assert.svh"
 module slog_capture_slice #(
     parameter  int unsigned Cameras = 2,
     parameter  int unsigned Width   = 16,
@@ -55,4 +56,7 @@ module slog_capture_slice #(
     data_q <= empty_q[0] ? front[Cameras-1] : front[0];
   end
   assign data_o = data_q;
+
+  `SLOG_ASSERT_INIT(SlogCaptureSliceDepth, Depth == 2 ** PlaceW)
+  `SLOG_ASSERT_INIT(SlogCaptureSliceCameras, Cameras <= 2)
 endmodule : slog_capture_slice

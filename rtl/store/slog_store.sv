@@ -118,5 +118,7 @@ module slog_store
   `SLOG_ASSERT_INIT(SlogStoreBankPower, Banks == 1 || BankWords == 2 ** BankAddrW)
   `SLOG_ASSERT_INIT(SlogStoreLatency, StoreLatency == 10)
   `SLOG_ASSERT(SlogStoreAddress, !rd_valid_i || rd_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
-  `SLOG_ASSERT(SlogStoreReadNotWrite, wr_valid_i |=> !(rd_valid_i && rd_addr_i == $past(wr_addr_i)))
+  `SLOG_ASSERT(SlogStoreWriteAddress, !wr_valid_i || wr_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
+  `SLOG_ASSERT(SlogStorePeekAddress, !peek_pending_q || peek_addr_q < AddrW'(Words) || Words == 2 ** AddrW)
+  `SLOG_ASSERT(SlogStoreReadNotWrite, wr_valid_i |=> !(rd_go && rd_addr == $past(wr_addr_i)))
 endmodule : slog_store

@@ -9,6 +9,7 @@
 // Latency    : rd_en_i to data_o 7 clocks, which stays until the next read's.
 // Throughput : one read and one write per clock.
 // Rule       : a word must not be read in the clock in which it is written.
+`include "slog_assert.svh"
 module slog_store_slice #(
     parameter  int unsigned Width     = 8,
     parameter  int unsigned Words     = 28800,
@@ -81,4 +82,7 @@ module slog_store_slice #(
     for (int unsigned b = 0; b < Banks; b++) if (rd_en_q6[b]) chosen = bank_data_q[b];
   end
   assign data_o = data_q;
+
+  `SLOG_ASSERT_NO_RESET(SlogStoreSliceReadNotWrite, (wr_en_i & rd_en_i) == '0 || wr_addr_i != rd_addr_i)
+  `SLOG_ASSERT_NO_RESET(SlogStoreSliceOneBank, $onehot0(wr_en_i) && $onehot0(rd_en_i))
 endmodule : slog_store_slice
