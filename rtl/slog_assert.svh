@@ -1,4 +1,4 @@
-// Assertion macros: live under Verilator, silent in synthesis. They sample at clk_i and, but for _NO_RESET, are off in rst_i.
+// Assertion macros: active in simulation, empty in synthesis. They sample at clk_i and, but for _NO_RESET, are off in rst_i.
 `ifndef SLOG_ASSERT_SVH
 `define SLOG_ASSERT_SVH
 

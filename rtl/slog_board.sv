@@ -3,8 +3,8 @@
 // Registers  : AXI4-Lite, rtl/slog_csr.rdl.
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
 // Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
-// Reset      : reaches the blocks 3 clocks late; what the board says or is told until then is lost. At power-up it is in
-//              reset.
+// Reset      : reaches the blocks 3 clocks after the pin; transfers in either direction before that are lost. The board
+//              starts in reset at power-up.
 module slog_board
   import slog_pkg::*;
   import slog_cfg_pkg::*;
@@ -135,7 +135,7 @@ module slog_board
       .irq_o
   );
 
-  // The settings change while hold is high.
+  // hold keeps a front end's clock running while its settings change.
   for (genvar c = 0; c < Cameras; c++) begin : g_camera
     logic clk;
     slog_clock_gate u_gate (
@@ -173,7 +173,7 @@ module slog_board
     );
   end
 
-  // Whatever follows a word, a frame's begin or its end is over within a few clocks.
+  // All activity that follows a word, a frame start or a frame end is over within Linger clocks.
   logic store_clk;
   slog_clock_gate #(
       .Linger(20)
@@ -235,8 +235,8 @@ module slog_board
       .peek_data_o (peek_data)
   );
 
-  // After its last step the peak unit takes up to four rows of offsets to come to the result, stalls aside: a stalled one
-  // offers a result or a score.
+  // After the last step the peak unit needs up to four rows of offsets until the result, not counting stalls; while it is
+  // stalled it offers a result or a score, which keeps the clock running.
   logic correlator_clk;
   slog_clock_gate #(
       .Linger(6 * MaxWidth)

@@ -1,4 +1,4 @@
-// Types shared by the correlator's blocks. Widths are those of the largest board; smaller boards use fewer values.
+// Types shared by several blocks. Widths are those of the largest board; smaller boards use fewer values.
 //
 // Score: matching bits of a window, 0..width*height. NoScore marks an absent score.
 // Ties : of equal scores the first in raster order (smaller row, then smaller column) is the best.
@@ -16,7 +16,7 @@ package slog_pkg;
     StatusOutside   = 3'd4   // template or search reaches outside the image
   } status_e;
 
-  // A correlation job. Offsets are counted from (search_x, search_y): the window's top left corner there.
+  // A correlation job. At offset (0, 0) the window's top left corner in the search image is (search_x, search_y).
   typedef struct packed {
     logic [15:0] tag;
     logic        surface;    // stream every score out
@@ -32,7 +32,7 @@ package slog_pkg;
     logic [9:0]  offsets_y;  // offsets down
   } job_t;
 
-  // What the peak unit must know of a job, in job order.
+  // The part of a job that the peak unit needs, in job order.
   typedef struct packed {
     logic [15:0]       tag;
     logic              surface;
@@ -48,7 +48,7 @@ package slog_pkg;
     logic       first;     // first step of a pass: the lanes start from zero
     logic       last;      // last step of a pass
     logic       wide;      // both groups carry one row of a window wider than GroupBits
-    logic       row_b;     // group B carries something: always when wide, else the row after group A's
+    logic       row_b;     // group B is in use: always when wide; else it carries the row after group A's
     logic       bank;      // template bank
     logic [6:0] tpl_step;  // template row (wide) or row pair
     logic [7:0] ring_row;  // ring row of group A
@@ -56,7 +56,7 @@ package slog_pkg;
     logic [5:0] lanes;     // offsets this pass scores, 1..Lanes
   } step_t;
 
-  // A finished job. Neighbours in raster order around the best: NW N NE W E SW S SE.
+  // Result of a finished job. The neighbours of the best offset in raster order: NW N NE W E SW S SE.
   typedef struct packed {
     logic [15:0]            tag;
     status_e                status;

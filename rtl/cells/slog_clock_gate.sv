@@ -1,8 +1,8 @@
-// Stops a block's clock while it has nothing to do, where that pays: in the fast simulation build (SLOG_CLOCK_GATE).
+// Stops an idle block's clock in the fast simulation build (SLOG_CLOCK_GATE).
 //
-// The block's clock runs while active_i is high and for Linger clocks after. A block may be gated so if in all other clocks
-// nothing it holds can change: its owner says so by the choice of active_i. Elsewhere the clock passes through, and what
-// decides on it is optimised away.
+// The block's clock runs while active_i is high and for Linger clocks after. active_i must be chosen so that no register
+// of the block changes in any other clock. Without SLOG_CLOCK_GATE the clock passes through, and the logic that drives
+// active_i is optimised away.
 module slog_clock_gate #(
     parameter  int unsigned Linger  = 64,
     localparam int unsigned LingerW = $clog2(Linger + 1)

@@ -2,8 +2,8 @@
 //
 // Latency    : a word pushed in clock t is offered in clock t+1.
 // Throughput : one push and one pop per clock, also when full (a pop frees its place in the next clock).
-// With Kept  : its user promises in_valid_i only with in_ready_o and out_ready_i only with out_valid_o; that is asserted,
-//              and no logic looks after it.
+// With Kept  : the user asserts in_valid_i only with in_ready_o and out_ready_i only with out_valid_o. This is checked by an
+//              assertion; the logic that would guard against it is left out.
 // Formats    : opaque words of Width bits; level_o counts the words held, 0..Depth.
 `include "slog_assert.svh"
 module slog_fifo #(
@@ -28,7 +28,7 @@ module slog_fifo #(
 
   logic [Width-1:0] mem_q[Depth];
   logic [AddrW-1:0] head_q, tail_q;
-  logic [Depth:0] held_q;  // the words held, one-hot: the flags are bits of it, so that no count is compared
+  logic [Depth:0] held_q;  // number of words held, one-hot: each flag is one of its bits, without a comparator
   logic push, pop, up, down;
 
   assign in_ready_o  = !held_q[Depth];
@@ -60,7 +60,7 @@ module slog_fifo #(
     end else begin
       if (push) tail_q <= after(tail_q);
       if (pop) head_q <= after(head_q);
-      // Not as an enable, which would be a level of logic more.
+      // A multiplexer, not a clock enable: the enable would cost a level of logic.
       held_q <= ({Depth + 1{up}} & held_q << 1) | ({Depth + 1{down}} & held_q >> 1)
               | ({Depth + 1{!(up || down)}} & held_q);
     end

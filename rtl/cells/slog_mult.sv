@@ -1,4 +1,4 @@
-// Signed multiplier with three register stages, as a hard multiplier block has them.
+// Signed multiplier with three register stages, like those of a hard multiplier block.
 //
 //   p = a * b
 //
@@ -6,11 +6,11 @@
 //   1      operand a; b is a coefficient
 //   2      product
 //   3      product, output
-// Latency    : 3 clocks, in all of which, a's own the first, en_i is high.
+// Latency    : 3 clocks. en_i must be high in all of them, the first being that of a_i.
 // Throughput : one product per clock.
-// Rules      : en_i low says that nothing under way is of any use, and p_o is anything until three clocks after: the
-//              simulator's work is spared, the twin does not care. b_i keeps its value from two clocks before en_i
-//              rises until en_i falls: the twin takes so long to see it.
+// Rules      : en_i low discards all products in the pipeline; p_o is undefined until three clocks after en_i rises again.
+//              en_i only saves simulation time; the ECP5 twin ignores it. b_i is constant from two clocks before en_i
+//              rises until en_i falls, because the twin registers it twice.
 // Formats    : two's complement, 18 x 18 -> 36 bits, exact.
 // Twin       : ecp5/slog_mult.sv is the same module on the ECP5's multiplier block.
 `include "slog_assert.svh"

@@ -2,7 +2,7 @@
 //
 // Latency    : rd_data_o holds mem[rd_addr_i] two clocks after rd_en_i (array read, output register).
 // Throughput : one read and one write per clock.
-// Rule       : an address must not be read in the clock in which it is written.
+// Rule       : no address is read in the clock in which it is written.
 `include "slog_assert.svh"
 module slog_ram #(
     parameter  int unsigned Width = 8,

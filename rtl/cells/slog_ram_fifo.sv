@@ -1,12 +1,12 @@
 // First-in first-out queue in block RAM, with a short register queue behind the RAM's output register.
 //
-// Latency    : a word pushed in clock t is offered in clock t+5 at the earliest (on its way to the RAM, written, RAM read,
+// Latency    : a word pushed in clock t is offered in clock t+5 at the earliest (register before the RAM, RAM write, RAM read,
 //              output register, queue).
 // Throughput : one push and one pop per clock, also when full (a pop frees its place in the clock after the next).
-// With Kept  : its user promises in_valid_i only with in_ready_o and out_ready_i only with out_valid_o; that is asserted,
-//              and no logic looks after it.
-// Formats    : opaque words of Width bits; level_o counts the words held anywhere inside, 0..Depth, and for one clock more
-//              a word that left.
+// With Kept  : the user asserts in_valid_i only with in_ready_o and out_ready_i only with out_valid_o. This is checked by an
+//              assertion; the logic that would guard against it is left out.
+// Formats    : opaque words of Width bits; level_o counts the words held in RAM, pipeline and queue, 0..Depth. It counts
+//              a popped word for one clock longer.
 `include "slog_assert.svh"
 module slog_ram_fifo #(
     parameter  int unsigned Width  = 8,
@@ -27,25 +27,25 @@ module slog_ram_fifo #(
   `SLOG_ASSERT_INIT(SlogRamFifoDepth, Depth >= 2)
   localparam int unsigned AddrW = $clog2(Depth);
   localparam logic [AddrW-1:0] Last = AddrW'(Depth - 1);
-  // One word per clock needs as many places behind the RAM as clocks from a read to the return of its place, and one for
-  // the read that is not counted yet.
+  // For one word per clock the output queue needs one place for each clock from a read until its place is free again, and
+  // one for the latest read, which free_q does not count yet.
   localparam int unsigned OutDepth = 6;
   localparam int unsigned OutLevelW = $clog2(OutDepth + 1);
 
   logic [AddrW-1:0] head_q, tail_q, after_tail_q;
-  logic [AddrW-1:0] wr_addr_q;   // tail_q on its way to the RAM, with the word
+  logic [AddrW-1:0] wr_addr_q;   // tail_q one clock later, with the word
   logic [AddrW-1:0] newest_q;    // place before wr_addr_q
   logic [Width-1:0] wr_data_q;
   logic [AddrW-1:0] front_q;     // place of the next word to leave
   logic [LevelW-1:0] level_q;    // words inside
-  logic [OutDepth:0] free_q;     // places of the output queue not spoken for, one-hot; a read counts a clock late
-  logic full_q, open_q;          // level_q == Depth; !full_q: apart from it, for the level
-  logic room_q;                  // two places free, one of which may have gone in the clock before
-  logic read_q, read_q2;         // a word is on its way
+  logic [OutDepth:0] free_q;     // places of the output queue not reserved, one-hot; a read is counted one clock late
+  logic full_q, open_q;          // level_q == Depth; a separate copy of !full_q for level_q, to limit fan-out
+  logic room_q;                  // two or more places free: the read of the clock before may have taken one of them
+  logic read_q, read_q2;         // a word is in the RAM's first and second read stage
   logic push_q;                  // a word is written
-  // Words in the RAM not asked for yet: one that has just come, or what the pointers of the clock before say.
-  logic some, push_q2, some_q, others_q;  // some_q: there were any; others_q: besides the one at head_q
-  logic pop_q;                   // a word left: its place and the level follow a clock late, to leave little to pop
+  // Words in the RAM that are not read yet: one just written, or by the pointers of the clock before.
+  logic some, push_q2, some_q, others_q;  // some_q: at least one; others_q: at least one besides that at head_q
+  logic pop_q;                   // a word left; front_q and level_q follow one clock later, to keep pop's fan-out small
   logic push, pop, read, more, less, full;
   logic two;                     // free_q is two or more in the next clock
   logic [Width-1:0] ram_data;
@@ -56,7 +56,7 @@ module slog_ram_fifo #(
   assign pop        = out_ready_i && (Kept || out_valid_o);
   assign some       = push_q2 || (read_q ? others_q : some_q);
   assign read       = some && room_q;
-  // One place is left: level_q == Depth - 1.
+  // after_tail_q == front_q: one place is left, level_q == Depth - 1.
   assign full       = !pop_q && (full_q || (in_valid_i && after_tail_q == front_q));
   assign more       = pop_q && !read_q;
   assign less       = read_q && !pop_q;
@@ -93,7 +93,7 @@ module slog_ram_fifo #(
       if (read) head_q <= after(head_q);
       if (pop_q) front_q <= after(front_q);
       if ((in_valid_i && (Kept || open_q)) != pop_q) level_q <= level_q + LevelW'({LevelW{pop_q}} | 1'b1);
-      // Not as an enable, which would be a level of logic more.
+      // A multiplexer, not a clock enable: the enable would cost a level of logic.
       free_q    <= ({OutDepth + 1{more}} & free_q << 1) | ({OutDepth + 1{less}} & free_q >> 1)
                    | ({OutDepth + 1{!(more || less)}} & free_q);
       full_q    <= full;
@@ -111,7 +111,7 @@ module slog_ram_fifo #(
   end
 
   always_ff @(posedge clk_i) begin
-    // RAM blocks lie far apart: nothing but registers leads to them.
+    // The RAM blocks lie far apart: registers drive them directly, without logic.
     wr_data_q <= in_data_i;
     if (push_q) newest_q <= wr_addr_q;
   end
@@ -128,7 +128,7 @@ module slog_ram_fifo #(
 
   `SLOG_ASSERT(SlogRamFifoOutHasRoom, !read_q2 || out_room)
   `SLOG_ASSERT(SlogRamFifoKept, !Kept || (!(in_valid_i && full_q) && !(out_ready_i && !out_valid_o)))
-  // The output queue's places that are spoken for.
+  // Places of the output queue that are occupied or reserved.
   logic [OutLevelW-1:0] taken;
   assign taken = out_level + OutLevelW'(read_q) + OutLevelW'(read_q2) + OutLevelW'(pop_q);
   `SLOG_ASSERT(SlogRamFifoPlaces, free_q == (OutDepth + 1)'(1) << (OutDepth - 32'(taken) + 32'(read_q)))

@@ -1,6 +1,6 @@
-// The board's reset on its way from a pin to all registers: three registers, then a net that reaches over the whole board.
+// The board's reset from its pin to all registers: three registers, then a buffer for the net that spans the whole board.
 //
-// Latency    : 3 clocks. At power-up there is a reset.
+// Latency    : 3 clocks. All three registers are set at power-up, so the board starts in reset.
 module slog_reset (
     input  logic clk_i,
     input  logic rst_i,

@@ -1,8 +1,8 @@
-// One register between two handshakes: cuts the path from a queue's memory to its user.
+// One register between two handshakes: cuts the timing path from a queue's memory to its user.
 //
-// Latency    : a word taken in clock t is offered in clock t+1.
-// Throughput : one word per clock; in_ready_o follows out_ready_i within the clock. With Half, one word in two clocks,
-//              and in_ready_o comes from a register.
+// Latency    : a word accepted in clock t is offered in clock t+1.
+// Throughput : one word per clock; in_ready_o depends on out_ready_i in the same clock. With Half, one word in two clocks,
+//              and in_ready_o depends on a register alone.
 `include "slog_assert.svh"
 module slog_stage #(
     parameter int unsigned Width = 8,
@@ -18,7 +18,7 @@ module slog_stage #(
     output logic [Width-1:0] out_data_o
 );
   logic valid_q, valid;
-  logic free_q;  // !valid_q: apart from it, because it enables all of the data
+  logic free_q;  // a separate copy of !valid_q, because it enables all bits of data_q
   logic [Width-1:0] data_q;
 
   assign in_ready_o  = !valid_q || (out_ready_i && !Half);

@@ -1,9 +1,10 @@
 // One ECP5 block RAM: one write port, one read port of the same width, output register in use.
 //
 // Latency    : rd_data_o holds the word two clocks after rd_en_i.
-// Formats    : words of Bits = 1, 2, 4, 9, 18 or 36; 16384 / 8192 / 4096 / 2048 / 1024 / 512 of them. Addresses are left aligned
-//              in 14 bits, as the block wants them.
-// At 36 bits the block pairs its two ports: A's data pins carry the low half, B's the high half, of both directions.
+// Formats    : words of Bits = 1, 2, 4, 9, 18 or 36; 16384 / 8192 / 4096 / 2048 / 1024 / 512 of them.
+//              Addresses are left aligned in the block's 14 address pins.
+// At 36 bits the block joins its two ports: for reads and for writes port A's data pins carry the low half, port B's the
+// high half.
 module slog_ecp5_bram #(
     parameter int unsigned Bits = 18
 ) (

@@ -1,7 +1,8 @@
 // `slog_mult` on the ECP5's 18x18 multiplier with its input, pipeline and output registers in use.
 //
-// Latency, throughput, rules, formats: those of ../slog_mult.sv. Its registers always move: four neighbours in a block have
-// four enables between them, which placement could hardly satisfy. A coefficient comes from far away, on two registers.
+// Latency, throughput, rules, formats: those of ../cells/slog_mult.sv. The registers have no clock enable: the four
+// multipliers of a block share four enables, which would constrain placement too much. The coefficient passes through
+// two registers, because its source lies far away.
 module slog_mult (
     input  logic               clk_i,
     /* verilator lint_off UNUSEDSIGNAL */

@@ -1,8 +1,8 @@
-// `slog_ram` on the ECP5's block RAMs with their output registers in use: blocks side by side, never one above the other.
+// `slog_ram` on the ECP5's block RAMs with their output registers in use: each block holds some bits of every word.
 //
-// The blocks' aspect is the widest whose depth suffices: no multiplexer follows the output registers. Deeper than
-// 16384 words is the user's to split (slog_store).
-// Latency, throughput, rule: those of ../slog_ram.sv.
+// The blocks have the widest words at which one block is deep enough, so no multiplexer follows the output registers. The
+// user must split RAMs of more than 16384 words, as slog_store does.
+// Latency, throughput, rule: those of ../cells/slog_ram.sv.
 `include "slog_assert.svh"
 module slog_ram #(
     parameter  int unsigned Width = 8,

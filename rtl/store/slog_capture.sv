@@ -1,15 +1,16 @@
-// Captures: which slot each camera's next frame goes to, which slots hold a frame, and the store's one write port.
+// Captures: assigns each camera's next frame to a slot, tracks which slots hold a frame, and drives the store's write port.
 //
-// A command arms its camera with a slot, or cancels the camera's request. Arming is refused for a slot that is not there, a
-// slot the other camera holds, or a camera that is writing. An armed request that has not begun may be replaced.
+// A command arms its camera with a slot, or cancels the camera's request. Arming is refused for a slot this board
+// does not have, for a slot the other camera holds, and for a camera that is writing. An armed request whose frame has not
+// started is replaced by a new one.
 // A cancelled frame, an aborted frame and clear_i leave their slots invalid.
 //
-// The words' slices (slog_capture_slice) lie near the store, the channels' control near the registers: what goes from one
-// to the other is Hops plain registers on its way.
+// The word queues (slog_capture_slice) lie near the store, the channels' control near the registers: Hops pipeline registers
+// lie between them.
 //
-// Latency    : word to store write 5 + Hops clocks, more when both cameras bring words at once (camera 0 goes first); the
-//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command acts 2 clocks after it, when
-//              armed_o and refused_o show its outcome.
+// Latency    : word to store write 5 + Hops clocks, more when both cameras deliver words at once (camera 0 has priority); the
+//              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command takes effect after 2
+//              clocks, when armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
 `include "slog_assert.svh"
 module slog_capture #(
@@ -27,7 +28,7 @@ module slog_capture #(
     input  logic                              cmd_camera_i,
     input  logic [2:0]                        cmd_slot_i,
     input  logic                              clear_i,         // every slot becomes invalid
-    input  logic [7:0]                        slot_busy_i,     // slots the correlator reads
+    input  logic [7:0]                        slot_busy_i,     // slots that the correlator is reading
     input  logic [Cameras-1:0]                word_valid_i,
     input  logic [Cameras-1:0][GroupBits-1:0] word_data_i,
     input  logic [Cameras-1:0]                word_last_i,
@@ -59,7 +60,7 @@ module slog_capture #(
   logic [Hops+1:0] wr_valid_q;  // bit n: a word waited n + 1 clocks ago
   logic [WordW-1:0] word;
 
-  // The command, which comes from far away.
+  // Input registers: the command's source lies far away.
   logic come_valid_q, come_cancel_q, come_camera_q;
   logic [2:0] come_slot_q;
   always_ff @(posedge clk_i) begin
@@ -69,7 +70,7 @@ module slog_capture #(
     come_slot_q   <= cmd_slot_i;
   end
 
-  // A clock older, and whether the other camera holds its slot. Without such a slot it asks for no camera.
+  // The command one clock later, and whether the other camera holds its slot. ask_q is 0 if the board has no such slot.
   logic [Cameras-1:0] ask_q, cancel_q, ask, arm, held, free, same_q;
   logic [2:0] cmd_slot_q;
   logic cmd_valid_q, cmd_arms_q;

@@ -1,19 +1,20 @@
-// One camera's captures: writes the words of the next good frame after a request into the slot asked for.
+// One camera's captures: writes the words of the next good frame after a request into the requested slot.
 //
 // armed      : after the next frame_start_i the slot's valid bit is cleared (clear_o).
-// check      : CheckClocks later the slot must not be in use by the correlator any more; else this frame is given up (set_o
-//              puts the valid bit back) and the request waits for the next one. slot_busy_i may come a clock late.
-// write      : words go to consecutive addresses, each row at a multiple of WordsPerRow; frame_abort_i goes back to armed.
-// finish     : after frame_done_i, when the last word is on its way to the store, set_o sets the valid bit (finish_o).
+// check      : CheckClocks later the correlator must no longer be using the slot; else this frame is skipped (set_o restores
+//              the valid bit) and the request waits for the next one. slot_busy_i may be one clock late.
+// write      : words go to consecutive addresses, each row at a multiple of WordsPerRow; frame_abort_i returns to armed.
+// finish     : after frame_done_i, when the last word has left the queue, set_o sets the valid bit (finish_o).
 //
 //   stage  registers
-//   1      what comes from the front end, and whether the correlator reads the slot
-//   2      push_o, with the word and its address: it goes into the queue (slog_capture_slice)
+//   1      inputs from the front end; whether the correlator reads the slot
+//   2      push_o, with the word and its address for the queue (slog_capture_slice)
 //   3      the queue's level: empty_o
-// Latency    : word_valid_i to push_o 2 clocks, empty_o falls one later; frame_done_i to set_o 4 + Hops clocks when
-//              nothing waits for the store, else 3 + Hops after the last word has left the queue: the queue's words are
-//              Hops clocks behind its level.
-// Throughput : a word per clock in, as fast out as the store takes it; Depth covers two cameras' narrow row ends.
+// Latency    : word_valid_i to push_o 2 clocks, empty_o falls one clock later; frame_done_i to set_o 4 + Hops clocks when
+//              the queue is empty, else 3 + Hops after the last word has left it: the words reach the queue Hops clocks
+//              after they are counted in its level.
+// Throughput : one word per clock in, out as fast as the store accepts; Depth suffices for the short last words of two
+//              cameras' rows.
 `include "slog_assert.svh"
 module slog_capture_channel #(
     parameter  int unsigned GroupBits   = 64,
@@ -26,49 +27,49 @@ module slog_capture_channel #(
 ) (
     input  logic                 clk_i,
     input  logic                 rst_i,
-    input  logic                 ask_i,           // a command with a slot that may be taken
-    input  logic                 arm_i,           // take slot_i as the request: ask_i, not while writing_o
+    input  logic                 ask_i,           // a command whose slot the other camera does not hold
+    input  logic                 arm_i,           // accept slot_i as the request: ask_i && !writing_o
     input  logic                 cancel_i,
     input  logic [2:0]           slot_i,
-    input  logic                 slot_busy_i,     // slot_mask_o's is being read
-    input  logic                 slot_valid_i,    // slot_mask_o's holds a frame
+    input  logic                 slot_busy_i,     // the slot in slot_mask_o is being read
+    input  logic                 slot_valid_i,    // the slot in slot_mask_o holds a frame
     input  logic                 word_valid_i,
     input  logic [GroupBits-1:0] word_data_i,
     input  logic                 word_last_i,
     input  logic                 frame_start_i,
     input  logic                 frame_done_i,
     input  logic                 frame_abort_i,
-    output logic                 push_o,          // a word for the queue
+    output logic                 push_o,          // a word enters the queue
     output logic [AddrW-1:0]     addr_o,
     output logic [GroupBits-1:0] data_o,
-    output logic                 empty_o,         // none waits in it
-    input  logic                 pop_i,           // one leaves it, only if there is one
+    output logic                 empty_o,         // the queue holds no word
+    input  logic                 pop_i,           // a word leaves the queue; only if !empty_o
     output logic [2:0]           slot_o,
-    output logic [7:0]           slot_mask_o,     // the same one-hot, a clock later
-    output logic                 armed_o,         // a request waits or is being served, with this clock's command in it
-    output logic                 held_o,          // ... without
-    output logic                 free_o,          // the contrary
+    output logic [7:0]           slot_mask_o,     // slot_o one-hot, one clock later
+    output logic                 armed_o,         // a request waits or is being served, including this clock's command
+    output logic                 held_o,          // as armed_o, before this clock's command
+    output logic                 free_o,          // !held_o
     output logic                 writing_o,       // from frame start to finish
-    output logic                 clear_o,         // slot_mask_o's valid bit is to be cleared
-    output logic                 set_o,           // ... set
-    output logic                 finish_o         // ... set for a new frame
+    output logic                 clear_o,         // clear the valid bit of the slot in slot_mask_o
+    output logic                 set_o,           // set that valid bit
+    output logic                 finish_o         // set_o is for a new frame
 );
-  // The slot shows as invalid from the second; what the correlator reads is looked at in the last but one. Between them a
-  // job that still saw the slot valid, a clock late, has marked it, and the mark has come here, two clocks late.
+  // The slot is seen as invalid from the second clock on; slot_busy is sampled in the last but one. In between, a job that
+  // still saw the slot as valid, one clock late, has marked it busy, and the mark has arrived here, two clocks late.
   localparam logic [2:0] CheckClocks = 3'd5;
 
-  logic wait_q, checking_q, writing_q, finishing_q;  // one at most; none: idle
-  logic held_q;                                      // any of them
-  logic free_q;                                      // none
-  logic serving_q;                                   // any but the first
-  logic pass_q, give_q;                              // a check ends in this clock: the frame is written, or given up
+  logic wait_q, checking_q, writing_q, finishing_q;  // at most one is set; none: idle
+  logic held_q;                                      // any of the four
+  logic free_q;                                      // none of the four
+  logic serving_q;                                   // any but wait_q
+  logic pass_q, give_q;                              // a check ends in this clock: the frame is written, or skipped
   logic [2:0] slot_q, slot_q2, slot_q3, check_q;
   logic [7:0] slot_mask_q;
   logic word_q, last_q, frame_start_q, frame_done_q, frame_abort_q, slot_busy_q;
-  logic came_q, last_q2, push_q;                     // word_q a clock later; ... and it is written
+  logic came_q, last_q2, push_q;                     // word_q one clock later; the same, and the word is written
   logic [GroupBits-1:0] data_q, data_q2;
   logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, start, held, back;
-  logic [Hops:0] left_q;                             // finishing, and n clocks ago the last word had left the queue
+  logic [Hops:0] left_q;                             // [n]: finishing, and n clocks ago the last word had left the queue
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   logic [Depth:0] level_q;                           // words in the queue, one-hot
   logic up, down;
@@ -149,7 +150,7 @@ module slog_capture_channel #(
     end
   end
 
-  // A frame's words come many clocks after its slot's base is known.
+  // slot_base needs no reset and no enable: a frame's words arrive many clocks after its slot is known.
   always_ff @(posedge clk_i) begin
     slot_busy_q <= slot_busy_i;
     last_q      <= word_last_i;

@@ -1,12 +1,12 @@
-// A few bits of the cameras' words that wait for the store, with places and flags of their own: no net reaches all bits.
+// A few bits of the cameras' word queues before the store, with its own pointers and flags: no net spans all bits.
 //
-// The queues' levels are slog_capture_channel's. A word leaves in every clock in which there are any, camera 0's first.
+// slog_capture_channel counts the queues' levels. A word leaves in every clock in which one is held; camera 0 has priority.
 //
 //   stage  registers
-//   1      push, word; which queues are empty
+//   1      push, word, empty flags
 //   2      queue, of Depth words; data_o
-// Latency    : 3 clocks from push_i to data_o when nothing waits: empty_i falls in the clock after push_i.
-// Throughput : a word per camera and clock in, one out.
+// Latency    : 3 clocks from push_i to data_o when the queues are empty: empty_i falls in the clock after push_i.
+// Throughput : one word per camera and clock in, one word per clock out.
 `include "slog_assert.svh"
 module slog_capture_slice #(
     parameter  int unsigned Cameras = 2,
@@ -18,7 +18,7 @@ module slog_capture_slice #(
     input  logic                          rst_i,
     input  logic [Cameras-1:0]            push_i,
     input  logic [Cameras-1:0][Width-1:0] data_i,
-    input  logic [Cameras-1:0]            empty_i,  // no word of the camera waits
+    input  logic [Cameras-1:0]            empty_i,  // the camera's queue holds no word
     output logic [Width-1:0]              data_o
 );
   logic [Cameras-1:0] push_q, empty_q, pop;
@@ -35,7 +35,7 @@ module slog_capture_slice #(
     logic [Width-1:0] word_q;
     logic [PlaceW-1:0] head_q, tail_q;
     assign front[c] = mem_q[head_q];
-    // Camera 0 waits for nothing.
+    // Camera 0 never waits for the other.
     assign pop[c] = !empty_q[c] && (c == 0 || empty_q[0]);
     always_ff @(posedge clk_i) begin
       word_q <= data_i[c];

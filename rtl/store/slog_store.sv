@@ -1,15 +1,15 @@
 // Bit-plane store: Words words of Width bits in block RAM, with a low-priority second read requester.
 //
 //   stage  registers
-//   1      read and write: which bank, where, what
-//   2      a write on its way
-//   2..8   slog_store_slice, one for each SliceW bits, so that no net is wide and long at once; a write a clock later
-//   9, 10  rd_data_o, peek_data_o, on their way
-// Latency    : rd_valid_i to rd_data_o 10 clocks (slog_store_pkg::StoreLatency); the data stay until the next read's.
+//   1      read and write: bank, address, data
+//   2      write, one pipeline register more
+//   2..8   slog_store_slice, one for each SliceW bits, so that no net is both wide and long; a write one clock later
+//   9, 10  rd_data_o, peek_data_o: pipeline registers
+// Latency    : rd_valid_i to rd_data_o 10 clocks (slog_store_pkg::StoreLatency); data held until the next read's.
 //              A peek takes 11 clocks from peek_valid_i && peek_ready_o to peek_done_o, and waits while rd_valid_i is high.
 // Throughput : one read and one write per clock; one peek at a time.
-// Rule       : a word must not be read in the clock after it is written; in the same clock the old word is read, two
-//              clocks later the new. peek_data_o is valid with peek_done_o.
+// Rule       : no word is read or peeked in the clock after it is written. A read in the same clock gives the old word,
+//              a read two clocks later the new one. peek_data_o is valid with peek_done_o.
 `include "slog_assert.svh"
 module slog_store
   import slog_store_pkg::*;
@@ -40,10 +40,10 @@ module slog_store
   localparam int unsigned BankAddrW = (Banks > 1) ? $clog2(BankWords) : AddrW;
   localparam int unsigned BankW     = (Banks > 1) ? AddrW - BankAddrW : 1;
 
-  // Peek: a pending address is read in the first clock the other requester leaves free.
+  // Peek: a pending address is read in the first clock without rd_valid_i.
   logic peek_pending_q, peek_ready_q;
   logic [AddrW-1:0] peek_addr_q;
-  logic [StoreLatency-1:0] peek_at_q;  // the stages a peek passes
+  logic [StoreLatency-1:0] peek_at_q;  // [k]: a peek is in stage k + 1
   logic peek_go;
   logic rd_go;
   logic [AddrW-1:0] rd_addr;
@@ -69,7 +69,7 @@ module slog_store
     if (peek_ready_o) peek_addr_q <= peek_addr_i;
   end
 
-  // Between here and the slices, which lie all over the device, there is no logic.
+  // The slices lie all over the device: only registers, no logic, lie between here and them.
   logic [Banks-1:0] wr_en, rd_en, wr_en_q, wr_en_q2, rd_en_q;
   logic [BankAddrW-1:0] wr_addr_q, wr_addr_q2, rd_addr_q;
   logic [Width-1:0] wr_data_q, wr_data_q2, data, data_q, data_q2;

@@ -1,14 +1,14 @@
-// A few bits of every word of the bit-plane store, with address registers of their own.
+// A few bits of every word of the bit-plane store, with its own address registers.
 //
 //   stage  registers
-//   1, 2   address and write data, on their way to the block RAMs
-//   3      the same for each bank by itself
+//   1, 2   address and write data
+//   3      address and write data, a copy for each bank
 //   4, 5   block RAM and its output register (slog_ram)
-//   6      each bank's word, on its way from the block RAMs
+//   6      each bank's word
 //   7      bank multiplexer
-// Latency    : rd_en_i to data_o 7 clocks, which stays until the next read's.
+// Latency    : rd_en_i to data_o 7 clocks; data_o is held until the next read's data.
 // Throughput : one read and one write per clock.
-// Rule       : a word must not be read in the clock in which it is written.
+// Rules      : no word is read in the clock in which it is written; at most one bank is read and one written.
 `include "slog_assert.svh"
 module slog_store_slice #(
     parameter  int unsigned Width     = 8,
