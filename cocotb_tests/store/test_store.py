@@ -31,10 +31,10 @@ def traffic(rng: random.Random, words: int, width: int, reads: str, peeks: str) 
                      "wr_data_i": rng.getrandbits(width), "rd_valid_i": rd_valid, "rd_addr_i": rd_addr,
                      "peek_valid_i": int(peeked is not None),
                      "peek_addr_i": rng.choice(hot) if peeked is None else peeked}
-        if peeked is not None and out["peek_ready_o"]:
-            pending, peeked = peeked, None
         if out["peek_done_o"]:
             pending = None
+        if peeked is not None and out["peek_ready_o"]:
+            pending, peeked = peeked, None
 
 
 @cocotb.test()

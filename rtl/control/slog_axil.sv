@@ -1,12 +1,12 @@
-// AXI4-Lite to the register block's request port, one access at a time, everything that leaves it from a register.
+// AXI4-Lite to the register block's request port, one access at a time; every output comes from a register.
 //
-// A read and a write that both wait take turns. A read of WaitAddr is held back while wait_i is high; writes go past it.
-// The pins lie far apart: what they say is kept two registers behind them, byte k of written data k clocks later still.
+// When a read and a write both wait, they take turns. A read of WaitAddr waits while wait_i is high; writes overtake it.
+// The pins lie far apart: two pipeline registers follow every address and data input, and k more byte k of written data.
 //
 // Latency    : a request leaves 5 clocks after its address, and of a write its data, were accepted; bvalid and rvalid
-//              follow the register block's answer by 1 clock. What req_o asks for stays until then; bytes 2 and 3 of
-//              the data come 1 and 2 clocks after it. Nothing is accepted in reset.
-// Throughput : an access every 5 clocks and the register block's latency, if its response is taken at once.
+//              follow the register block's answer by 1 clock. Address and data of a request are held until its answer;
+//              bytes 2 and 3 of the data follow req_o by 1 and 2 clocks. Nothing is accepted in reset.
+// Throughput : one access per 5 clocks plus the register block's latency, if its response is accepted at once.
 // Formats    : byte addresses; the low two bits are ignored.
 `include "slog_assert.svh"
 module slog_axil #(
@@ -31,30 +31,30 @@ module slog_axil #(
     output logic [31:0]      rdata_o,
     output logic             rvalid_o,
     input  logic             rready_i,
-    output logic             busy_o,         // an access is under way
+    output logic             busy_o,         // an access waits or is in progress
     // register block
     input  logic             wait_i,
     output logic             req_o,          // pulse
     output logic             req_is_wr_o,
     output logic [AddrW-1:0] req_addr_o,
     output logic [31:0]      req_data_o,
-    output logic [31:0]      req_biten_o,    // [i]: bit i is to be written
+    output logic [31:0]      req_biten_o,    // [i]: write bit i
     input  logic             wr_ack_i,
     input  logic             rd_ack_i,
     input  logic [31:0]      rd_data_i
 );
-  logic aw_q, w_q, ar_q;       // an address, data wait
-  logic aw_free_q, w_free_q, ar_free_q;  // none does, and none did in reset
+  logic aw_q, w_q, ar_q;       // a write address, data, a read address waits
+  logic aw_free_q, w_free_q, ar_free_q;  // inverted copies of these; 0 in reset
   logic aw, w, ar;
-  logic ar_waits_q;            // ... of WaitAddr
-  logic aw_q2, w_q2, ar_q2;    // they wait: kept from the next clock on
-  logic aw_new_q, aw_new_q2, ar_new_q, ar_new_q2;  // an address may have come one, two clocks before
-  logic [4:0] w_new_q;         // data may have come k + 1 clocks before
+  logic ar_waits_q;            // the waiting read is of WaitAddr
+  logic aw_q2, w_q2, ar_q2;    // they wait, and are in awaddr_q3, wait_q, araddr_q3 from the next clock on
+  logic aw_new_q, aw_new_q2, ar_new_q, ar_new_q2;  // an address may have been accepted one, two clocks before
+  logic [4:0] w_new_q;         // [k]: data may have been accepted k + 1 clocks before
   logic [AddrW-1:0] awaddr_q, awaddr_q2, awaddr_q3, araddr_q, araddr_q2, araddr_q3, addr_q, addr_q2;
   logic [31:0] rdata_q;
   logic under_way_q, read_last_q, is_wr_q, is_wr_q2, bvalid_q, rvalid_q;
-  logic read_q, write_q;       // the access begins
-  logic [3:0] begin_q;         // either did k clocks before: apart from them, because it enables what is asked for
+  logic read_q, write_q;       // a read, a write begins
+  logic [3:0] begin_q;         // [k]: either began k clocks before; separate, because it enables the request registers
   logic can_read, can_write;
 
   assign can_read  = ar_q2 && !(ar_waits_q && wait_i) && !under_way_q;
@@ -141,9 +141,9 @@ module slog_axil #(
   assign req_is_wr_o = is_wr_q2;
   assign req_addr_o  = addr_q2 & ~AddrW'(3);
 
-  // Each byte of written data in a rhythm of its own, so that no enable serves all of it.
+  // Each byte of written data has its own delay and enables, to limit fan-out.
   for (genvar k = 0; k < 4; k++) begin : g_byte
-    logic [8:0] way_q[k+2], wait_q, data_q;  // the strobe on top
+    logic [8:0] way_q[k+2], wait_q, data_q;  // [8] is the strobe
     always_ff @(posedge clk_i) begin
       for (int unsigned n = 0; n < k + 2; n++)
         way_q[n] <= (n == 0) ? {wstrb_i[k], wdata_i[8*k+:8]} : way_q[(n==0)?0 : n-1];

@@ -1,8 +1,8 @@
-// Registers and everything that answers to them alone: coefficient bank, peek port, counters, interrupt. Wiring, and the
-// registers' commands turned into the blocks' own terms.
+// Registers and the blocks that only they use: coefficient bank, peek port, counters, interrupt. Wiring, and the translation
+// of register fields to the blocks' ports.
 //
-// Latency    : a command reaches the blocks 9 clocks after its address and its data were taken, result.pop 11; what is read
-//              is one clock old, whether there is a result two, counts three, those of results four; irq_o follows a result
+// Latency    : a command reaches the blocks 9 clocks after its address and data were accepted, result.pop after 11. Values
+//              read are one clock old, result.head.valid two, counts three, counts of results four. irq_o follows a result
 //              by 2 clocks, captures and drops by 3, a lost submit by 4.
 `include "slog_assert.svh"
 module slog_control
@@ -50,7 +50,7 @@ module slog_control
     output logic                           result_ready_o,
     input  result_t                        result_i,
     input  logic [15:0]                    result_level_i,
-    input  logic                           work_i,           // a job is in work
+    input  logic                           work_i,           // a job is being processed
     input  logic                           score_i,          // a score was computed
     // plane read-back
     output logic                           peek_valid_o,
@@ -60,7 +60,7 @@ module slog_control
     input  logic [GroupBits-1:0]           peek_data_i,
     output logic                           irq_o
 );
-  // Counters, in the order of the event vector below.
+  // Cameras that the register map has counters for.
   localparam int unsigned MaxCameras = 2;
   // The one register whose reads wait: peek_data.
   localparam logic [AxilAddrW-1:0] PeekData = 8'h84;
@@ -72,16 +72,16 @@ module slog_control
   logic [Events-1:0] events, events_q;
   logic [Events-1:0][31:0] counts;
   logic overflow, taken, filter_busy, size_error, irq_q;
-  logic seen_q;            // there is a result
-  logic [2:0] outcome_q;   // its status
-  logic pop_q, pop_q2, pop_q3;  // the front result is dropped: in the next clock, now, in the clock before
+  logic seen_q;            // a result is available
+  logic [2:0] outcome_q;   // the result's status
+  logic pop_q, pop_q2, pop_q3;  // the front result is popped: in the next clock, in this, in the clock before
   logic [31:0] peek_data;
   logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
   logic [AxilAddrW-1:0] req_addr;
   logic [31:0] req_data, req_biten, rd_data;
 
-  // The registers and what answers to them do nothing without an access, an event or a commit or peek under way.
+  // The registers, the coefficient bank and the peek port are idle without an access, an event, a commit or a peek.
   slog_clock_gate #(
       .Linger(16)
   ) u_gate (
@@ -92,7 +92,7 @@ module slog_control
       .clk_o   (clk)
   );
 
-  // What the registers show is one clock old; so is whether the next bits of the plane read back are among it.
+  // The registers show values one clock late; peek_wait_q is delayed alike, so a read never passes the data it waits for.
   always_ff @(posedge clk) begin
     hwif_in     <= status;
     peek_wait_q <= !peek_ready || hwif_out.peek_address.go.value;
@@ -135,7 +135,7 @@ module slog_control
       .rd_ack_i   (rd_ack),
       .rd_data_i  (rd_data)
   );
-  // Every address answers, and nothing is ever refused, whoever asks.
+  // Every address is answered: bresp and rresp are always OKAY. The protection bits are ignored.
   logic unused_prot;
   assign unused_prot = ^{axil_i.awprot, axil_i.arprot};
   assign axil_o.bresp = 2'b00;
@@ -254,7 +254,7 @@ module slog_control
     end
   end
 
-  // Results are far from the registers. Between a pop and the next access there are clocks enough for all this.
+  // The result queue lies far from the registers. An access takes longer than these registers delay the effect of a pop.
   always_ff @(posedge clk_i) begin
     seen_q    <= result_valid_i;
     outcome_q <= result_i.status;
@@ -339,7 +339,7 @@ module slog_control
   assign irq_o = irq_q;
 
   `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
-  // One access at a time: none is ever stalled, and PeekData is where the map has it.
+  // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
   `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 3) && !$past(rst_i) && !$past(rst_i, 2)
                                        |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))

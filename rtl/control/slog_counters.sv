@@ -1,6 +1,6 @@
 // Event counters of the board, 32 bits each, modulo 2**32, zero after reset.
 //
-// Latency    : an event shows two clocks after it.
+// Latency    : count_o includes an event two clocks after it.
 // Throughput : one event of each kind per clock.
 module slog_counters #(
     parameter  int unsigned Events = 10,

@@ -1,15 +1,15 @@
-// Staged filter coefficients and image size, put in use together while no frame is under way.
+// Staged filter coefficients and image size, activated together while no frame is being processed.
 //
 // A commit holds back new frames; when every camera has been idle for Settle clocks in a row, the staged values become the
-// active ones and frames flow again. A staged size outside MinImage..MaxWidth x MaxHeight is not taken (size_error_o).
+// active ones and new frames are let in. A staged size outside MinImage..MaxWidth x MaxHeight is not applied (size_error_o).
 // After reset all coefficients become 0 in the same way, and the size is the largest.
 //
-// Coefficients wait in a small memory. The active ones are a chain over the device, each near its multipliers: they are
-// shifted in, the last one first, the shift itself running from the chain's end to its begin; g2 a clock after g. Memory
-// and chain are far from the registers that order all this: what passes between them has clocks of its own to travel.
+// Staged coefficients are held in a small memory. The active ones form a shift register across the device, each near its
+// multipliers. They are shifted in, the last one first, and the shift enable travels from the end of the chain to its
+// start; g2 is one clock behind g. Memory and chain lie far from their control: pipeline registers lie in between.
 //
 // Latency    : commit to the new size is Settle + 3 clocks with idle cameras, to the last coefficient 3 * Coefs + 2 more;
-//              busy_o falls 2 clocks after it, after reset too. hold_o[c] follows busy_o by c + 1 clocks. A coefficient
+//              busy_o falls 2 clocks after that, also after reset. hold_o[c] follows busy_o by c + 1 clocks. A coefficient
 //              of g is staged in 4 clocks, of g2 in 5.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
 `include "slog_assert.svh"
@@ -30,17 +30,17 @@ module slog_filter_bank #(
     input  logic                           commit_i,
     input  logic [9:0]                     width_i,
     input  logic [9:0]                     height_i,
-    input  logic [Cameras-1:0]             active_i,        // a frame is under way
+    input  logic [Cameras-1:0]             active_i,        // a frame is being received or processed
     output logic [Cameras-1:0]             hold_o,
     output logic                           busy_o,
     output logic                           size_error_o,
-    output logic                           size_changed_o,  // pulse, in the clock in which the new size is first seen
+    output logic                           size_changed_o,  // pulse in the first clock of the new size
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
     output logic [Coefs-1:0][CoefBits-1:0] g2_o
 );
-  // The hold is some clocks on its way, and a frame let in just before it needs a few to show as active.
+  // hold_o reaches the cameras after some clocks, and a frame let in just before that sets active_i a few clocks later.
   localparam int unsigned Settle = 12;
   localparam int unsigned Places = 32;
   localparam int unsigned PulseW = $clog2(2 * Coefs + 1);
@@ -55,33 +55,33 @@ module slog_filter_bank #(
 
   // Staging.
   logic [CoefBits-1:0] staged_g_q[Places], staged_g2_q[Places];
-  logic [Coefs-1:0] given_g_q, given_g2_q;  // staged since the reset; what was not is 0
-  coef_t coef_q[4];                         // on its way: [2] is next to g's memory, [3] next to g2's
-  logic stage_g_q, stage_g2_q;              // ... and is for that one
-  logic [Coefs-1:0] found_g_q, found_g2_q;  // ... at this place
+  logic [Coefs-1:0] given_g_q, given_g2_q;  // [k]: coefficient k was staged since the reset; else it is 0
+  coef_t coef_q[4];                         // pipeline to the memories: g's is written from [2], g2's from [3]
+  logic stage_g_q, stage_g2_q;              // coef_q[2], coef_q[3] is for that memory
+  logic [Coefs-1:0] found_g_q, found_g2_q;  // [k]: it goes to place k
   // Loading.
   logic [Coefs-1:0][CoefBits-1:0] g_q, g2_q;
-  logic [PlaceW-1:0] place_q;                // of the coefficients that are read
+  logic [PlaceW-1:0] place_q;                // the coefficients that are read
   logic [CoefBits-1:0] read_g_q, read_g2_q;
   logic read_given_g_q, read_given_g2_q;
-  logic [CoefBits-1:0] next_g_q, next_g2_q;  // what the first coefficients take
-  logic end_g_q, end_g2_q;                   // ... now, for the last time
-  logic ended_q, ended_q2;                   // end_g2_q on its way back
-  logic [PulseW-1:0] pulse_q;  // an even number: a shift of g begins; an odd one: of g2
-  logic begin_g_q, begin_g_q2, begin_g2_q, begin_g2_q2;  // ... and is on its way
-  logic [Coefs-1:0] shift_g_q, shift_g2_q;  // [k]: coefficient k takes the one before it; a shift in every other clock
-  logic loading_q, clear_q;    // clear_q: after reset, with zeros
+  logic [CoefBits-1:0] next_g_q, next_g2_q;  // inputs of the chains' first coefficients
+  logic end_g_q, end_g2_q;                   // the last shift of each chain takes place
+  logic ended_q, ended_q2;                   // end_g2_q one, two clocks later
+  logic [PulseW-1:0] pulse_q;  // counts shifts to come: at an even number one of g begins, at an odd one of g2
+  logic begin_g_q, begin_g_q2, begin_g2_q, begin_g2_q2;  // a shift begins, one and two clocks later
+  logic [Coefs-1:0] shift_g_q, shift_g2_q;  // [k]: coefficient k takes the value of k - 1; one shift in two clocks
+  logic loading_q, clear_q;    // clear_q: load zeros, after reset
   logic loading;
   // Commit.
   logic active_q;
   logic calm;                  // a commit waits and no camera is active
-  logic [Settle-1:0] quiet_q;  // [k]: was so for the last k + 1 clocks
+  logic [Settle-1:0] quiet_q;  // [k]: calm held for the last k + 1 clocks
   logic [9:0] width_q, height_q, new_width_q, new_height_q;
   logic pending_q, busy_q, apply_q, size_error_q, size_changed_q;
-  logic [1:0] within_q;      // the staged width, height may be taken
-  logic [1:0] differs_q;     // its width, its height is another than the active one
+  logic [1:0] within_q;      // the staged width, height is in the permitted range
+  logic [1:0] differs_q;     // the staged width, height differs from the active one
   logic apply, size_new;
-  logic [Cameras-1:0] hold_q;  // [c]: near camera c, the way leading past the ones before
+  logic [Cameras-1:0] hold_q;  // [c]: near camera c, passed on from camera c - 1
 
   assign size_new = apply_q && within_q == '1 && differs_q != '0;
   assign calm     = pending_q && !active_q && !apply_q && !loading_q;
@@ -163,7 +163,7 @@ module slog_filter_bank #(
     end
   end
 
-  // The staged size, as it was in the clock of apply, and whether it may be taken.
+  // The staged size one clock later (in apply_q's clock that of apply's), and whether it is permitted.
   always_ff @(posedge clk_i) begin
     new_width_q  <= width_i;
     new_height_q <= height_i;

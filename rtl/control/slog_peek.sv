@@ -1,14 +1,14 @@
 // Reads the bit-plane store back, 32 bits at a time, through the store's low-priority port.
 //
-// A new address starts reading there; data_o is what the next read gets, and each read moves on. The word after the last
-// one handed out is read ahead. Addresses past the store, and reads before any address, give zero.
+// Reading starts at a new address; data_o is the value of the next read, and each read advances. The word after the current
+// one is read ahead. Addresses past the store, and reads before the first address, give zero.
 //
-// The store is far, and what it shows reaches over the die: it comes on plain registers, the second 32 bits a clock after
-// the first, so that no enable serves all of it.
+// The store lies far away and its output spans the die: it passes through pipeline registers, the second 32 bits one clock
+// after the first, so that no single enable drives all of them.
 //
 // Latency    : go_i to peek_valid_o 5 clocks; ready_o falls 1 clock after go_i, 2 clocks after the take_i of a word's last
-//              32 bits, and comes 2 clocks after peek_done_i; data_o follows it by Chunks + 1 clocks, a take_i by 2.
-// Rule       : address_i stays for 3 clocks from go_i on.
+//              32 bits, and rises 2 clocks after peek_done_i; data_o follows it by Chunks + 1 clocks, a take_i by 2.
+// Rule       : address_i is constant for 3 clocks from go_i on.
 // Formats    : bit 0 is the leftmost pixel; a store word narrower than 32 bits fills the low bits.
 `include "slog_assert.svh"
 module slog_peek #(
@@ -20,8 +20,8 @@ module slog_peek #(
     input  logic                 rst_i,
     input  logic                 go_i,
     input  logic [23:0]          address_i,
-    input  logic                 take_i,        // pulse, only if ready_o: data_o was read
-    output logic                 ready_o,       // data_o is right soon: before a read that waited for this comes to it
+    input  logic                 take_i,        // pulse, only with ready_o: data_o is read
+    output logic                 ready_o,       // data_o is valid by the time a read that waited for ready_o samples it
     output logic [31:0]          data_o,
     output logic                 peek_valid_o,
     input  logic                 peek_ready_i,
@@ -32,27 +32,27 @@ module slog_peek #(
   localparam int unsigned Chunks = (GroupBits + 31) / 32;
   localparam int unsigned ChunkW = (Chunks > 1) ? $clog2(Chunks) : 1;
 
-  logic [Chunks-1:0][31:0] shown;  // what the store shows
+  logic [Chunks-1:0][31:0] shown;  // the store's output
   logic [Chunks-1:0][31:0] word_q;
-  logic [Chunks-1:0] load_q;       // [c]: bits 32 * c .. of it are taken, which were shown c + 2 clocks before
-  logic [ChunkW-1:0] chunk_q;      // of word_q, the next to be read
+  logic [Chunks-1:0] load_q;       // [c]: bits 32 * c and up are loaded, which the store output c + 2 clocks before
+  logic [ChunkW-1:0] chunk_q;      // the part of word_q that the next read gets
   logic [31:0] data_q;
   logic [23:0] address_q;
   logic go_q;
-  logic started_q;   // there is an address
-  logic first_q;     // the address that comes is the host's
-  logic new_q;       // address_q changes
-  logic new_q2;      // ... and has
+  logic started_q;   // an address was set
+  logic first_q;     // the next address is the host's
+  logic new_q;       // address_q changes with this clock's edge
+  logic new_q2;      // address_q changed in the clock before
   logic in_store_q;  // address_q lies in the store
-  logic want_q;      // address_q is to be read
-  logic valid_q;     // ... and asked for
-  logic outside_q;   // ... and not in the store
-  logic flight_q;    // a read is on its way
-  logic done_q;      // ... and its word was shown
-  logic drop_q;      // ... and no longer wanted
-  logic have_q;      // word_q is the word before address_q, or none was ever asked for
-  logic zero_q;      // in its place stands 0
-  logic onward_q;    // the last of word_q was read
+  logic want_q;      // address_q must be read
+  logic valid_q;     // a read of address_q is requested
+  logic outside_q;   // address_q must be read and lies outside the store
+  logic flight_q;    // a read is in progress
+  logic done_q;      // the store output its word in the clock before
+  logic drop_q;      // its word is to be discarded
+  logic have_q;      // word_q is valid: the word at address_q, or zero before the first address
+  logic zero_q;      // data_o is 0 instead of word_q
+  logic onward_q;    // the last part of word_q was read
   logic ask, taken;
 
   assign ask   = want_q && !flight_q && !valid_q;

@@ -4,11 +4,11 @@
 // sum_o[k] = Bias + sum over d = 0..R of coef_i[k][d] * fold[d]
 //
 // Stages     : 1 fold    then slog_fir_kernel: 2 operands    3..5 multiply    clog2(Radius + 2) levels of adders, and 1
-// Latency    : 6 + clog2(Radius + 2) clocks from valid_i, with the window, to sum_o; in other clocks it is anything.
+// Latency    : 6 + clog2(Radius + 2) clocks from valid_i and window_i to sum_o, which is undefined in other clocks.
 // Throughput : one window per clock.
-// Formats    : window in fields of DataW bits, two's complement in the lower 18 of them, or if less unsigned; fold modulo
-//              2**18; coefficients 18-bit signed, constant from a valid window's clock as long as anything is under
-//              way; sums modulo 2**SumW, SumW <= 36.
+// Formats    : window in fields of DataW bits: two's complement in the lower 18 if DataW >= 18, else unsigned; fold modulo
+//              2**18; coefficients 18-bit signed, constant from the clock of a valid window until its multiplication is
+//              done; sums modulo 2**SumW, SumW <= 36.
 `include "slog_assert.svh"
 module slog_fir #(
     parameter  int unsigned Radius  = 8,
@@ -27,15 +27,15 @@ module slog_fir #(
 );
   localparam int unsigned FoldW = (DataW < 18) ? DataW + 1 : 18;
 
-  logic [3:0] valid_q;  // [k]: stage k + 1 holds something
-  logic       mult;     // the multipliers or their operands hold something
+  logic [3:0] valid_q;  // [k]: stage k + 1 holds a valid value
+  logic       mult;     // the multipliers or their operands hold a valid value
   assign mult = valid_q[3:1] != '0;
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[2:0], valid_i};
   end
 
-  // The kernels lie far apart: what goes there comes from registers. In machine words, which simulate fast.
+  // The kernels lie far apart: registers drive their inputs. Fields are machine words, which simulate fast.
   logic [Radius:0][31:0] fold, fold_q;
   always_comb begin
     fold[0] = 32'(18'(window_i[Radius]));

@@ -1,14 +1,14 @@
-// One kernel of slog_fir: multiplies the folded window and adds up, with registers of its own close to its multipliers.
+// One kernel of slog_fir: multiplies the folded window and adds up, with its own registers close to its multipliers.
 //
 // sum_o = Bias + sum over d = 0..Radius of coef_i[d] * fold_i[d]
 //
-// Stages     : 1 operands    2..4 multiply    then clog2(Radius + 2) levels of adders, a register before the
-//              last two: the terms come from far apart
+// Stages     : 1 operands    2..4 multiply    then clog2(Radius + 2) levels of adders, one more register
+//              before the last two levels, because the terms lie far apart
 // Latency    : 5 + clog2(Radius + 2) clocks from fold_i to sum_o.
 // Throughput : one fold per clock.
-// Rules      : en_i is low only in clocks in which none of stages 1..3 holds anything of use. coef_i keeps its value from
-//              the clock before fold_i as long as anything is under way.
-// Formats    : fold in machine words, which simulate fast: FoldW bits count, signed if FoldW is 18, else unsigned;
+// Rules      : en_i is low only in clocks in which none of stages 1..3 holds a valid value. coef_i is constant from the clock
+//              before a valid fold_i until its product is computed. slog_fir ensures both; it has the valid bits.
+// Formats    : fold in machine words, which simulate fast: FoldW bits are used, signed if FoldW is 18, else unsigned;
 //              coefficients 18-bit signed; sum modulo 2**SumW, SumW <= 36.
 `include "slog_assert.svh"
 module slog_fir_kernel #(

@@ -1,13 +1,13 @@
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
-// Latency    : 34 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, if idle, to the
+// Latency    : 34 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, when idle, to the
 //              first word of the row Radius lines above it: 124 for full, 58 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
-//              frame_abort_o, after which nothing of that frame comes. The next frame_start_o comes later than either.
-// Settings   : width_i, height_i, g_i, g2_i may change only while busy_o is low and hold_i, a clock old, keeps new
-//              frames out; the size not in the last clock of that. busy_o shows a frame from 2 clocks after its first
-//              beat to 1 after its end, so hold_i must have been up for a while.
+//              frame_abort_o, after which no word of that frame follows. The next frame_start_o is later than either.
+// Settings   : width_i, height_i, g_i, g2_i change only while busy_o is low and hold_i was high in the clock before, so
+//              that no frame enters; the size not in the last such clock. busy_o is high from 2 clocks after a frame's
+//              first beat to 1 clock after its end, so hold_i must be high for some clocks before a change.
 `include "slog_assert.svh"
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
@@ -46,7 +46,7 @@ module slog_frontend #(
   logic             bit_valid, bit_sign, bit_last, bit_start, bit_done, bit_abort;
   logic             video_busy, log_busy;
 
-  // The size and the hold come from far away.
+  // The sources of size and hold lie far away.
   logic [9:0] width_q, height_q;
   logic       hold_q;
   always_ff @(posedge clk_i) begin
@@ -134,7 +134,8 @@ module slog_frontend #(
       .frame_abort_o
   );
 
-  // The LoG shows what has left the video in, and the packer still holds what has left the LoG, some clocks later.
+  // log_busy covers a pixel only some clocks after it has left the video input, and the packer, which has no busy output,
+  // holds it for some clocks after it has left the LoG: delayed copies fill both gaps.
   logic rest_busy_q, busy_q;
   logic [1:0] video_busy_q;
   logic [3:0] log_busy_q;

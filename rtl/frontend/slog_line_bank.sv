@@ -1,14 +1,14 @@
-// Eight of the line buffer's lines, with address registers and a border's pixel of their own.
+// Eight of the line buffer's lines, with their own registers for the address and the border pixel.
 //
-// window_o[k] is the pixel of line k, the oldest first, or, if replace_i[k], that of the border row: the one of the line
-// with hot_i[k], in this bank or another. With each read the lines move on by one, newer_i becoming the newest.
+// window_o[k] is the pixel of line k, the oldest first, or, if replace_i[k], the border pixel: that of the line whose hot_i
+// bit is set, in this bank or another. With each read the lines move on by one place and newer_i becomes the newest.
 //
-// Stage  registers          given in that stage
+// Stage  registers          inputs in that stage
 //   1    read address       (0) rd_en_i, rd_addr_i
 //   2, 3 line memory
 //   4    lines, oldest_o    (3) hot_i, wr_en_i, wr_addr_i: written in 4, with (4) newer_i
-//   5    picked_o           the border's pixel if it is here, else 0
-//   6    edge               (5) picked_i of all banks, replace_i
+//   5    picked_o           the border pixel if its line is in this bank, else 0
+//   6    border pixel       (5) picked_i of all banks, replace_i
 //   7    window_o
 // Throughput : one column per clock.
 module slog_line_bank #(
@@ -72,7 +72,7 @@ module slog_line_bank #(
     edge_q6    <= border;
     replace_q6 <= replace_i;
     window_q7  <= lines_q6;
-    // Both conditions follow from the inner ones, and spare the simulator all of them where there is no border.
+    // Both outer conditions are redundant: they only save simulation time where there is no border.
     picked_q5  <= '0;
     if (hot_q4 != '0) picked_q5 <= picked;
     if (replace_q6 != '0) begin

@@ -1,11 +1,12 @@
-// Keeps the last 2 * Radius lines and gives with every new pixel the column of 2 * Radius + 1 pixels it ends.
+// Holds the last 2 * Radius lines and outputs for every new pixel the column of 2 * Radius + 1 pixels that ends with it.
 //
 // window_o[i] is the pixel 2 * Radius - i lines above the newest; the output row's pixel is window_o[Radius]. Pixels past
-// the image's border row are replaced by the one of that row in this column, the edge.
+// the image's border row are replaced by that row's pixel in the same column, the border pixel.
 //
-// Stages     : 1 address    2, 3 line memory    4 lines, written back    5 edge: in its bank    6 edge    7 replace
-// Latency    : 7 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window; in other clocks it is anything.
-// Throughput : one pixel per clock; a column comes again after 4 clocks at the earliest.
+// Stages     : 1 address    2, 3 line memory    4 lines, written back    5 border pixel in its bank    6 border pixel
+//              7 replace
+// Latency    : 7 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window, which is undefined in other clocks.
+// Throughput : one pixel per clock; the same column is repeated after 4 clocks at the earliest.
 // Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
 `include "slog_assert.svh"
 module slog_line_buffer #(
@@ -33,11 +34,11 @@ module slog_line_buffer #(
   logic [7:0]          px_q, px_q2, px_q3, px_q4, px_q5, px_q6, px_q7;
   logic                bottom_q, bottom_q2, bottom_q3, bottom_q4;
   logic [DistW-1:0]    dist_q, dist_q2, dist_q3;
-  logic [PosW-1:0]     pos_q2;       // of the border row among the lines
-  logic                reach_q2;     // it is among them
+  logic [PosW-1:0]     pos_q2;       // index of the border row among the lines
+  logic                reach_q2;     // the border row is among them
   logic [Lines-1:0]    hot_q3;       // one-hot: the border row
-  logic [Radius-1:0]   beyond_q4;    // [d-1]: d rows from the output row is beyond it, but for shift_q4
-  logic [1:0]          shift_q4;     // how far beyond_q4 is still to be moved
+  logic [Radius-1:0]   beyond_q4;    // [d-1]: row d from the output row lies past the border, after a left shift by shift_q4
+  logic [1:0]          shift_q4;     // remaining shift of beyond_q4
   logic [Radius-1:0]   beyond, old_q5, new_q5;
   logic [7:0]          border, edge_q6;  // as in the banks, for the newest pixel
   logic                replace_q6;

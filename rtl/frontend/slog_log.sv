@@ -1,14 +1,14 @@
 // Sign of the Laplacian of Gaussian of a raster of whole lines: wiring of the line buffer, the filters and the window.
 //
-// v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows, continued
-// past the image by the border pixels. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
+// v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows. Past the
+// image the border pixels are repeated. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : way to the lines 1, line buffer 7, vertical FIR 6 + L, window Radius + 2, horizontal FIR 6 + L, sum 1;
+// Stages     : input 1, line buffer 7, vertical FIR 6 + L, window Radius + 2, horizontal FIR 6 + L, sum 1;
 //              L = clog2(Radius + 2)
 // Latency    : 23 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 49 at radius 16, 39 at radius 8.
-//              busy_o shows a pixel or an abort from 3 clocks after it comes to 1 after it leaves.
+//              busy_o is high from 3 clocks after a pixel or an abort enters to 1 clock after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
-// Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" leaves.
+// Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" is output.
 `include "slog_assert.svh"
 module slog_log #(
     parameter  int unsigned MaxWidth = 48,
@@ -45,11 +45,11 @@ module slog_log #(
   localparam int unsigned FirLatency = 6 + Levels;
   localparam int unsigned ToVertical = 8;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
-  localparam int unsigned SumV       = 24;  // what its sums fit in; single products may wrap
+  localparam int unsigned SumV       = 24;  // wide enough for the sums; single products may wrap
   localparam int unsigned SumH       = 36;
   localparam int unsigned LeftW      = $clog2(Latency + 1);
 
-  // The pixels come from far away.
+  // The source of the pixels lies far away.
   logic             px_valid_q, px_first_q, px_last_q, px_out_q, px_bottom_q;
   logic [7:0]       px_data_q;
   logic [ColW-1:0]  px_col_q;
@@ -65,11 +65,11 @@ module slog_log #(
     px_dist_q   <= px_dist_i;
   end
 
-  // What goes along with the pixels under an output row. [k]: k + 1 clocks after px_*.
+  // Flags that accompany the pixels of an output row. [k]: k + 1 clocks after px_*.
   logic [ToTaps-1:1]  out_q, first_q;
   logic [Latency-1:1] last_q;
   logic [Latency-1:0] live_q, start_q, done_q, abort_q;
-  logic [LeftW-1:0]   left_q;  // clocks until the last that came has left
+  logic [LeftW-1:0]   left_q;  // clocks until the last one that entered has left
   logic               out, come, busy_q;
 
   assign out  = px_valid_q && px_out_q;

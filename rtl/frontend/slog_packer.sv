@@ -1,12 +1,12 @@
 // Packs the sign bits of each row into words for the bit-plane store.
 //
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
-// word_last_o count only with word_valid_o.
+// word_last_o are valid only with word_valid_o.
 //
-// Stages     : 1 as it comes    2 pixel and its place    3 on their way    4 to 6 slog_packer_slice: the word so far
-// Latency    : 6 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 6 clocks behind
-//              the pixel (or gap) they come with: a frame's first word comes GroupBits - 1 clocks after frame_start_o.
-// Throughput : one pixel per clock; the sink takes every word.
+// Stages     : 1 input    2 pixel and its place    3 the same, delayed    4 to 6 slog_packer_slice: the word so far
+// Latency    : 6 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 6 clocks after
+//              their inputs: a frame's first word follows GroupBits - 1 clocks after frame_start_o.
+// Throughput : one pixel per clock; words cannot be stalled.
 `include "slog_assert.svh"
 module slog_packer #(
     parameter int unsigned GroupBits = 8
@@ -31,17 +31,17 @@ module slog_packer #(
   localparam int unsigned PlaceW = $clog2(GroupBits);
 
   logic              valid_q, dark_q;
-  // The pixel, and its place in the word; if there is none, the next one's.
+  // The pixel and its place in the word; without a pixel, the place of the next one.
   logic              valid_q2;
-  logic              blank_q2;        // it is 0 or missing
+  logic              blank_q2;        // the pixel is 0, or there is none
   logic [PlaceW-1:0] place_q;
-  logic              fresh_q, end_q;  // the word's first, last place
-  logic [Slices-1:0] begin_q;         // [s]: the first place of slice s
-  logic              anew_q;          // the next pixel is a word's first, whatever came
+  logic              fresh_q, end_q;  // place_q is the word's first, last place
+  logic [Slices-1:0] begin_q;         // [s]: place_q is the first place of slice s
+  logic              anew_q;          // after an abort or reset: the next pixel is a word's first
   logic [5:0]        last_q;
-  logic [5:2]        full_q;          // [k]: after k + 1 stages, a word is complete
+  logic [5:2]        full_q;          // [k]: in stage k + 1, a word is complete
   logic [5:0]        start_q, done_q, abort_q;
-  // Pixel and place on their way to the slices, which lie far apart.
+  // Stage 3, between the place counter and the slices, which lie far apart.
   logic              valid_q3, blank_q3, fresh_q2;
   logic [Slices-1:0] begin_q2;
   logic              full, restart;

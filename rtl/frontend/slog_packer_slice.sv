@@ -1,4 +1,4 @@
-// A few bits of slog_packer's word, with registers of their own for the pixel and its place: the slices lie far apart.
+// A few bits of slog_packer's word, with their own registers for the pixel and its place: the slices lie far apart.
 //
 //   stage  registers
 //   1      pixel
@@ -11,8 +11,8 @@ module slog_packer_slice #(
     input  logic            clk_i,
     input  logic            valid_i,
     input  logic            blank_i,  // the pixel sets no bit, or there is none
-    input  logic            fresh_i,  // it is a word's first
-    input  logic            begin_i,  // it goes to bit 0
+    input  logic            fresh_i,  // the pixel is a word's first
+    input  logic            begin_i,  // the pixel goes to bit 0
     output logic [Bits-1:0] word_o
 );
   logic valid_q, blank_q, blank_q2, fresh_q, fresh_q2, begin_q;

@@ -1,17 +1,17 @@
-// Windows of the two horizontal filters: the 2 * Radius + 1 values around each of a line's, continued past its ends
-// by its first and last value. Two values per pixel, each with its own window.
+// Windows of the two horizontal filters: the 2 * Radius + 1 values around each value of a line. Past the line's ends its
+// first and last value are repeated. Two values per pixel, each with its own window.
 //
-// window[i] = value x - Radius + i of a line, or else its nearest; x: the pixel in the centre
+// window[i] = value at x - Radius + i, or the nearest value of the line; x: column of the pixel in the centre
 //
-// A window moves by one place a clock. As a line's first value comes into its centre, the window is loaded: older
-// places with that value, newer ones from a shift register of the line's next values. When the last value has come,
-// its newest place stays as it is.
+// A window moves by one place per clock. When a line's first value reaches the centre, the window is loaded: older places
+// with that value, newer ones from a shift register of the line's next values. After the last value has entered, the
+// newest place keeps it.
 //
 // Latency    : Radius + 2 clocks from valid_i to valid_o with that pixel in the centre.
-// Throughput : one pixel per clock. A line's pixels come in consecutive clocks, at least 2 * Radius + 2 of them;
+// Throughput : one pixel per clock. A line's pixels enter in consecutive clocks, at least 2 * Radius + 2 of them;
 //              between lines any pause is allowed.
-// Formats    : opaque values of DataW <= 32 bits, in the windows filled up to 32 with zeros; without valid_o a window is
-//              anything.
+// Formats    : opaque values of DataW <= 32 bits, in the windows zero-extended to 32 bits; without valid_o a window is
+//              undefined.
 `include "slog_assert.svh"
 module slog_taps #(
     parameter  int unsigned Radius  = 8,
@@ -30,7 +30,7 @@ module slog_taps #(
     output logic [Taps-1:0][31:0] a_window_o,  // [0] is the oldest
     output logic [Taps-1:0][31:0] b_window_o
 );
-  logic [Latency-1:0] valid_q;  // [k]: the value k + 1 clocks old is a pixel
+  logic [Latency-1:0] valid_q;  // [k]: the value from k + 1 clocks ago is a pixel
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[Latency-2:0], valid_i};

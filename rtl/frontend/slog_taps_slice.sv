@@ -1,10 +1,10 @@
-// A few places of one window of slog_taps, on both sides of its centre, with registers of their own for what loads them.
+// A few places of one window of slog_taps, on both sides of its centre, with their own registers for loading them.
 //
 //   newer_o[k]   place centre + Begin + k            older_o[k]   place centre - Begin - 1 - k
 //
-// Begin = Places * the slice's number. In most clocks a value moves on by one place: from the newer slice's newer_o[0]
-// through these and, behind the centre, from the slice before's oldest on. Entering, the newer places take the line's next
-// values from next_o, where these come along, and the older ones its first value, caught as that came along.
+// Begin = Places * the slice's number. In most clocks every value moves on by one place: newer_i enters the newer places,
+// older_i the older ones. When a line enters the centre, the newer places are loaded with the line's next values from the
+// shift register next_q, and the older ones with its first value, which was captured as it passed through next_q.
 //
 // Latency    : enter_i to the loaded places 4 clocks.
 // Throughput : one value per clock.
@@ -20,7 +20,7 @@ module slog_taps_slice #(
     input  logic [DataW-1:0]        next_i,
     input  logic [DataW-1:0]        newer_i,
     input  logic [DataW-1:0]        older_i,
-    output logic [DataW-1:0]        next_o,   // next_i of Places clocks before
+    output logic [DataW-1:0]        next_o,   // next_i from Places clocks ago
     output logic [Places-1:0][31:0] newer_o,
     output logic [Places-1:0][31:0] older_o
 );

@@ -1,4 +1,4 @@
-// One window of slog_taps, cut into slices: places that are folded together, and so multiplied in one place, lie in one.
+// One window of slog_taps, cut into slices: the two places that are folded together and share a multiplier are in one slice.
 //
 // Latency, throughput, formats: those of slog_taps.
 `include "slog_assert.svh"
@@ -17,9 +17,9 @@ module slog_taps_window #(
   localparam int unsigned Places = 4;
   localparam int unsigned Slices = Radius / Places;
 
-  // The slices lie far apart: what loads them travels while the values wait a clock.
-  logic [Radius-2:0] first_q;          // [k]: the value k + 1 clocks old is a line's first
-  logic              past_q, past_q2;  // the newest place keeps a line's last value, from the next clock on; now
+  // The slices lie far apart: data_q delays the values by a clock, in which the load signals reach the slices.
+  logic [Radius-2:0] first_q;          // [k]: the value from k + 1 clocks ago is a line's first
+  logic              past_q, past_q2;  // the newest place keeps a line's last value: from the next clock on, in this clock
   logic [DataW-1:0]  data_q, newest_q;
 
   always_ff @(posedge clk_i) begin

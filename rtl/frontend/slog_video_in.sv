@@ -1,18 +1,19 @@
 // Receives frames, drops bad ones, and issues whole lines of width_i consecutive clocks to the LoG.
 //
-// A line enters the ring when its last pixel arrives in the right place; only such lines are issued, so everything
-// behind works on uninterrupted lines. Output row r of a frame is computed while row r + Radius is issued. A frame's
-// last Radius rows come out under the next frame's first lines or, while no frame is received, under filler lines.
+// A line enters the ring when its last pixel arrives in the right place; only such lines are issued, so all later
+// stages process uninterrupted lines. Output row r of a frame is computed while row r + Radius is issued. A frame's
+// last Radius rows are computed during the next frame's first lines or, while no frame is received, during filler lines.
 //
-// Stages     : 1 beat judged    2 line event    3 line started, pixel's address    4 way to the ring    5, 6 ring
-// Latency    : last pixel of a line accepted in clock t: its first pixel comes (px_valid_o) in clock t + 6, if idle.
-//              dropped_o comes 2 clocks after the beat that tells.
+// Stages     : 1 beat checked    2 line event    3 line started, pixel's address    4 ring's input    5, 6 ring
+// Latency    : last pixel of a line accepted in clock t: its first pixel is output (px_valid_o) in clock t + 6, if idle.
+//              dropped_o follows 2 clocks after the beat that breaks the frame.
 // Throughput : one pixel per clock, no blanking. tready_o is low only while the ring is full or,
 //              between frames, in hold_i.
 // Frames     : a line that ends early or late, a start of frame before the last line's end, a pixel without start of
-//              frame behind the last line: the frame is dropped whole, unless its last pixel has been issued already.
-//              Then pixels are ignored up to the next start of frame. A dropped frame, or run of strays, counts once.
-// Pixels     : without px_valid_o what describes the pixel is anything, but for the flags from px_live_o on.
+//              frame after the last line: the frame is dropped whole, unless its last pixel has been issued already.
+//              Then pixels are ignored until the next start of frame. A dropped frame, or a run of stray pixels, is
+//              counted once.
+// Pixels     : without px_valid_o the px_ outputs are undefined, except px_live_o and those listed after it.
 // Border     : px_dist_o rows from the border row to the output row: the last row when px_bottom_o, else the first;
 //              Radius = border out of reach.
 `include "slog_assert.svh"
@@ -37,18 +38,18 @@ module slog_video_in #(
     output logic [ColW-1:0]  px_col_o,
     output logic             px_first_o,   // first pixel of its line
     output logic             px_last_o,
-    output logic             px_out_o,     // an output row is computed under this line
+    output logic             px_out_o,     // an output row is computed during this line
     output logic             px_bottom_o,
     output logic [DistW-1:0] px_dist_o,
     output logic             px_live_o,    // the output pixel belongs to a frame not dropped so far
     output logic             px_start_o,   // first output pixel of a frame
     output logic             px_done_o,    // last output pixel of a frame
-    output logic             px_abort_o,   // the frame started last is dropped: between pixels, in order with them
+    output logic             px_abort_o,   // the frame of the last px_start_o is dropped; in order with the pixels
     output logic             accepted_o,
     output logic             dropped_o,
     output logic             busy_o
 );
-  localparam int unsigned Lines = 3;  // one written, one read, one for the clocks in which both change lines
+  localparam int unsigned Lines = 3;  // one being written, one being read, one for the clocks in which both change lines
   localparam int unsigned Depth = Lines * MaxWidth;
   localparam int unsigned AddrW = $clog2(Depth);
 
@@ -64,7 +65,7 @@ module slog_video_in #(
     endcase
   endfunction
 
-  logic [9:0] col_last_q, col_second_q, col_third_q, row_last_q;  // last column and row; last column but one and two
+  logic [9:0] col_last_q, col_second_q, col_third_q, row_last_q;  // last, last but one, last but two column; last row
   always_ff @(posedge clk_i) begin
     col_last_q   <= width_i - 10'd1;
     col_second_q <= width_i - 10'd2;
@@ -72,25 +73,25 @@ module slog_video_in #(
     row_last_q   <= height_i - 10'd1;
   end
 
-  // ---- Receiver: judges every beat. Its verdicts (event_*) reach the scheduler one clock later.
-  logic active_q, closed_q;  // in a frame; between frames. Neither: pixels are ignored
+  // ---- Receiver: checks every beat. Its events (event_*) reach the scheduler one clock later.
+  logic active_q, closed_q;  // in a frame; between frames. If neither, pixels are ignored
   logic full_q;              // the ring has no room
-  logic outside_q, room_q;   // the contrary of active_q and full_q: these judge, those answer
+  logic outside_q, room_q;   // inverted copies: they gate the checks, the originals drive tready_o
   logic at_end_q;            // the next pixel is a line's last, in a frame
-  logic last_row_q;          // the line received is a frame's last
+  logic last_row_q;          // the line being received is a frame's last
   logic come, beat, good_end, kill, wr_en, active;
   logic event_commit_q, event_kill_q, event_start_q, drop, drop_owed_q, dropped_q;
   logic event_last_q;        // the beat ended a line
 
   assign tready_o = !full_q && !(hold_i && !active_q);
-  assign come     = tvalid_i && room_q;  // a beat, unless held back
+  assign come     = tvalid_i && room_q;  // a beat, unless hold_i blocks it
   assign beat     = tvalid_i && !full_q && !(hold_i && outside_q);
   assign kill     = come && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
   assign good_end = come && at_end_q && !tuser_i && tlast_i;
   assign active   = tuser_i ? !tlast_i && !(hold_i && outside_q)
                     : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q);
   assign wr_en    = come && (active_q || (tuser_i && !hold_i));
-  // A start of frame that is a whole line at once is a bad frame itself, beside the one it may cut short.
+  // A start of frame with tlast is a bad frame by itself, in addition to the frame that it may cut short.
   assign drop     = event_kill_q || (event_start_q && event_last_q);
 
   always_ff @(posedge clk_i) begin
@@ -118,16 +119,16 @@ module slog_video_in #(
   end
   assign dropped_o = dropped_q;
 
-  // ---- Writer: one clock behind the beats. What it counts is needed again no sooner than in a line's next to last pixel.
-  logic [9:0]       left_q, wr_row_q;  // pixels of the line to come after the next one
-  logic             end_0_q, end_1_q;  // the next pixel is the last but one: if none comes in this clock; if one does
+  // ---- Writer: one clock behind the beats. Its counts are not needed before a line's next to last pixel.
+  logic [9:0]       left_q, wr_row_q;  // remaining pixels of the line after the next one
+  logic             end_0_q, end_1_q;  // the next pixel is the last but one: if none, if one is written in this clock
   logic             near_end, first_row_q, wr_en_q, wr_en_q2, wr_en_q3;
   logic [1:0]       wr_line_q;
   logic [7:0]       wr_data_q, wr_data_q2, wr_data_q3;
-  // Addresses are a clock later than the counters: the ring may lie far away.
-  logic             start_q2, jump_q2;       // the pixel starts a frame; the next one's address does not follow
-  logic [AddrW-1:0] base_q2, target_q2;      // of the frame's first pixel; of that next one
-  logic [AddrW-1:0] wr_addr_q2, wr_addr_q3;  // of the pixel, if it starts no frame; on its way to the ring
+  // Addresses are one clock later than the counters: the ring may lie far away.
+  logic             start_q2, jump_q2;       // the pixel starts a frame; the next address is target_q2, not this one + 1
+  logic [AddrW-1:0] base_q2, target_q2;      // address of the frame's first pixel; address after a jump
+  logic [AddrW-1:0] wr_addr_q2, wr_addr_q3;  // address of the pixel unless it starts a frame; address at the ring
 
   assign near_end = !event_start_q && (wr_en_q ? end_1_q : end_0_q);
 
@@ -165,25 +166,25 @@ module slog_video_in #(
     end
   end
 
-  // ---- Ring: what each committed line is, the oldest first. "Current" is the frame whose start of frame came last.
+  // ---- Ring: state of each committed line, the oldest first. The current frame is that of the last start of frame.
   typedef struct packed {
     logic valid;
-    logic current;  // and valid
-    logic dead;     // and valid
+    logic current;  // valid, of the current frame
+    logic dead;     // valid, of a dropped frame
     logic live;     // valid and not dead
-    logic first;    // of its frame
+    logic first;    // the first line of its frame
   } line_t;
   line_t [Lines-1:0] line_q, line_d;
-  logic              head_current, head_dead;  // of the oldest, as it is in this clock
-  logic              boundary_q;    // no line is read, or its last pixel is
-  logic              along_q;       // the contrary
-  logic              reading_q;     // a line of the ring is read
+  logic              head_current, head_dead;  // state of the oldest line, with this clock's events
+  logic              boundary_q;    // no line is being read, or its last pixel is read
+  logic              along_q;       // !boundary_q
+  logic              reading_q;     // a line of the ring, not a filler, is being read
   logic              start_line, skip, two, full;
 
   always_comb begin
     for (int unsigned n = 0; n < Lines; n++) begin
       line_t kept;
-      logic ahead;  // the place before holds a line
+      logic ahead;  // the place ahead holds a line
       kept  = !boundary_q ? line_q[n] : (n + 1 < Lines) ? line_q[(n + 1) % Lines] : '0;
       ahead = n == 0 || (boundary_q ? line_q[n].valid : line_q[(n + Lines - 1) % Lines].valid);
       line_d[n].valid   = kept.valid || (event_commit_q && ahead);
@@ -192,7 +193,7 @@ module slog_video_in #(
       line_d[n].live    = kept.valid ? kept.live && !(event_kill_q && kept.current) : event_commit_q && ahead;
       line_d[n].first   = kept.valid ? kept.first : first_row_q;
     end
-    // Two lines are in it, being read or coming in.
+    // The ring holds two lines, counting the one being read and the one committed now.
     two          = reading_q && event_commit_q ? !line_q[0].valid
                    : reading_q || event_commit_q ? line_q[0].valid && !line_q[1].valid
                    : line_q[1].valid && !line_q[2].valid;
@@ -215,22 +216,22 @@ module slog_video_in #(
     end
   end
 
-  // ---- Scheduler: at a line boundary a committed line, else a filler if a complete frame still has rows to give.
+  // ---- Scheduler: at a line boundary it starts a committed line, or else a filler if a complete frame still has rows left.
   logic [9:0]       rd_col_q, rd_row_q, out_left_q;
   logic [AddrW-1:0] rd_addr_q;
   logic [1:0]       rd_line_q;
   logic             rd_active_q, rd_current_q, rd_current, mid_frame_q, rd_first_q, next_last_q;
-  logic             lined_q, started_q, starts_q;      // a line, a line of the ring, a frame's first row out began
+  logic             lined_q, started_q, starts_q;      // began: a line, a line of the ring, a frame's first output row
   logic             head_first_q, head_current_q, head_last_q;
   logic             row_is_last_q, row_is_out_q, out_done_q, out_bottom_q, out_far_q;
   logic             out_active_q, out_current_q, out_active, out_current;
-  logic             ended_q;                           // the last pixel of the last row out
+  logic             ended_q;                           // the last pixel of the last output row
   logic [DistW-1:0] out_top_q;
   logic             wait_on, boundary, mid_frame, out_starts, out_kill;
 
-  // The next clock is at a boundary: a dead line is passed over, there is nothing to begin, or the line ends.
+  // The next clock is at a boundary: a dead line is skipped, no line can start, or the line ends.
   assign skip         = boundary_q && head_dead;
-  // A filler may begin if a complete frame has rows to give.
+  // A filler may start if a complete frame has rows left.
   assign wait_on      = boundary_q && !line_q[0].valid &&
                         (!out_active_q || ended_q || mid_frame_q || active_q || (event_kill_q && out_current_q));
   assign boundary     = skip || wait_on || next_last_q;
@@ -242,7 +243,7 @@ module slog_video_in #(
   assign out_kill     = event_kill_q && out_active && out_current;
   assign mid_frame    = (started_q ? !head_last_q : mid_frame_q) && !(event_kill_q && rd_current);
 
-  // What has a line's time to follow its start does so a clock later.
+  // Values that are not needed before the line's end follow its start one clock later.
   always_ff @(posedge clk_i) begin
     lined_q        <= boundary_q && !skip && !wait_on;
     started_q      <= start_line;
@@ -292,8 +293,8 @@ module slog_video_in #(
     end
   end
 
-  // ---- Issue: the way to the ring and its two clocks of latency carry the line's description along, the border's place
-  // from the second on.
+  // ---- Issue: the line's flags are delayed by the ring's input register and its two clocks of latency; the border
+  // distance joins in the second stage.
   typedef struct packed {
     logic            first;
     logic            last;
@@ -305,11 +306,11 @@ module slog_video_in #(
   logic [DistW-1:0] away_q2, away_q3;
   logic             line_out_q, line_out, live, start, done, abort;
   logic [2:0]       valid_q, live_q, out_start_q, done_q, abort_q;  // [k]: k + 1 clocks later
-  logic             ring_en_q;    // a line's pixel is read, on its way to the ring
+  logic             ring_en_q;    // read enable at the ring
   logic [AddrW-1:0] ring_addr_q;
-  logic             under_way_q;  // a pixel or an abort in these stages
+  logic             under_way_q;  // a pixel or an abort is in these stages
 
-  // A line keeps computing when its frame dies half-way along it, so the filters always see whole lines.
+  // When a frame is dropped in the middle of a line, the line is still issued to its end: the filters need whole lines.
   assign line_out = rd_first_q ? out_active : line_out_q;
   assign live     = rd_active_q && out_active && !out_kill;
   assign start    = starts_q && !(event_kill_q && head_current_q);
@@ -382,7 +383,7 @@ module slog_video_in #(
   assign accepted_o  = done_q[0];
   assign busy_o      = active_q || event_commit_q || line_q[0].valid || rd_active_q || out_active_q || under_way_q;
 
-  // Counters that follow a clock later need lines of some length.
+  // The counters that follow one clock later need lines of a minimum length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
   logic [2:0] used;
   assign used = 3'(line_q[0].valid) + 3'(line_q[1].valid) + 3'(line_q[2].valid) + 3'(reading_q);
