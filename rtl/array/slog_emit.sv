@@ -33,7 +33,7 @@ module slog_emit #(
   localparam int unsigned Fews  = (Pairs + 3) / 4;
 
   // left_q: lanes still to be selected after the present one; counts down past zero. more_q: there are such lanes.
-  // One copy for every Reach lanes, each one clock behind the copy before it; the token takes longer to reach its lanes.
+  // One copy for every Reach lanes, each one clock behind the copy before it; the token takes longer to reach them.
   localparam int unsigned Reach  = 4;  // lanes that one copy serves
   localparam int unsigned Copies = (Lanes + Reach - 1) / Reach;
   logic [Copies-1:0][LaneW-1:0] left_q;
