@@ -21,7 +21,8 @@
 // Simulation : each lane's bits share one word, and the work is in loops over lanes that Verilator keeps as loops
 //              (unroll_disable) so that the compiler vectorises them. Scratch arrays are static so that entering the
 //              block does not clear them. With move_i low no work is done.
-// Formats    : mismatch unsigned, 0..(2*GroupBits)**2; 0 while mismatch_valid_o is low, see slog_emit for reset.
+// Formats    : mismatch unsigned, 0..(2*GroupBits)**2 (slog_peak_intake asserts it against the window's area); 0 while
+//              mismatch_valid_o is low, see slog_emit for reset.
 `include "slog_assert.svh"
 module slog_array #(
     parameter  int unsigned GroupBits  = 8,
@@ -101,5 +102,4 @@ module slog_array #(
   `SLOG_ASSERT(SlogArrayZero, valid_i || !move_i || $past(rst_i)
                               || ({tpl_a_i, tpl_b_i} == '0 && {search_a_i, search_b_i} == '0))
   `SLOG_ASSERT(SlogArrayMaskStatic, $stable(mask_i) || moves_since_valid >= Lanes)
-  `SLOG_ASSERT(SlogArrayRange, !mismatch_valid_o || 32'(mismatch_o) <= (2 * GroupBits) ** 2)
 endmodule : slog_array
