@@ -1,18 +1,19 @@
-// Adds up each lane's counts over a pass; total and count travel skewed, bit i one clock after bit i-1.
+// Accumulates each lane's counts over a pass; total and count are bit-skewed: bit i is one clock after bit i-1.
 //
 //   total[k] = (first ? 0 : total[k]) + count[k] + extra[k]
 //
-// Slice i of a lane adds bit i of total and count and the carry that slice i-1 registered; extra is slice 0's carry.
+// Slice i of a lane adds bit i of total and count and the registered carry of slice i-1; extra is slice 0's carry in.
 //
 // Stage  registers        valid at lane k, after the clock of extra_i
-//   1    extra_q count_q  1 + k, bit i: 2 + k + i; they come from where the lane is, the sums are where the scores go
-//   2    carry_q[k][0]    2 + k: extra, held back to meet count bit 0
-//   2    first_q[k][i]    2 + k + i: a pass starts here: forget the total
+//   1    extra_q count_q  1 + k, bit i: 2 + k + i; they cover the distance from the lane to the sums near the output
+//   2    carry_q[k][0]    2 + k: extra, delayed to meet count bit 0
+//   2    first_q[k][i]    2 + k + i: a pass starts: the total is taken as 0
 //   3    total_q[k][i]    3 + k + i
 //
-// Latency    : count bit i to total bit i: 2 clocks. Lane 0's count bit 0 and first_i come the clock after its extra.
+// Latency    : count bit i to total bit i: 2 clocks. Lane 0's count bit 0 and first_i arrive one clock after its extra.
 // Throughput : one row per lane and clock. Everything holds while move_i is low.
 // Formats    : total unsigned, never above 2**ScoreBits - 1 within a pass.
+`include "slog_assert.svh"
 module slog_accumulator #(
     parameter int unsigned CountBits = 4,
     parameter int unsigned ScoreBits = 9,
@@ -58,4 +59,6 @@ module slog_accumulator #(
     end
   end
   assign total_o = total_q;
+
+  `SLOG_ASSERT_INIT(SlogAccumulatorBits, CountBits < ScoreBits && Lanes >= 1)
 endmodule : slog_accumulator

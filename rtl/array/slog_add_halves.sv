@@ -1,6 +1,6 @@
-// Registered full adders in every lane: adds the two halves of a word of bits, and a carry, place by place.
+// Registered full adders in every lane: each adds one bit of either half of a word and a carry.
 //
-//   2 * carry_o[k] + sum_o[k] = bits_i[k][Width-1:0] + bits_i[k][2*Width-1:Width] + carry_i[k]     (place by place)
+//   2 * carry_o[k] + sum_o[k] = bits_i[k][Width-1:0] + bits_i[k][2*Width-1:Width] + carry_i[k]     (bit by bit)
 //
 // Latency    : 1 clock in which move_i is high; outputs hold while it is low.
 // Throughput : Width additions per lane and clock.

@@ -13,13 +13,16 @@
 //   deskewed score      mismatch_o             6 + L + ScoreBits + k = slog_array_pkg::core_latency + k
 //
 // Throughput : one operand row of both groups per clock; one score per clock.
-// Rules      : operands are 0 where they must not count: all of them in clocks without valid_i, group B's in the odd
-//              last row. Last rows of passes are at least lanes_i clocks apart. While move_i is low everything holds
-//              and operands are not taken; it is high for slog_array_pkg::hold_clocks after a valid clock at least.
-// Simulation : all of a lane's bits stand in one word, all work is loops over lanes that Verilator leaves as loops
-//              (unroll_disable) and the compiler vectorises, over scratch arrays that are static so that entering the
-//              block does not clear them. With move_i low nothing is done at all.
-// Formats    : mismatch unsigned, 0..(2*GroupBits)**2, and 0 while mismatch_valid_o is low.
+// Rules      : operands that must not count are 0: all of them in clocks without valid_i (from the second clock after
+//              reset on), group B's in a last row without row B. The last row of a pass follows that of the pass
+//              before by at least that pass's lanes_i clocks. While move_i is low all registers hold and operands are
+//              ignored; slog_operands holds move_i high until the array is empty. Counted in clocks with move_i, mask_i
+//              is stable for Lanes clocks after a clock with valid_i.
+// Simulation : each lane's bits share one word, and the work is in loops over lanes that Verilator keeps as loops
+//              (unroll_disable) so that the compiler vectorises them. Scratch arrays are static so that entering the
+//              block does not clear them. With move_i low no work is done.
+// Formats    : mismatch unsigned, 0..(2*GroupBits)**2 (slog_peak_intake asserts it against the window's area); 0 while
+//              mismatch_valid_o is low, see slog_emit for reset.
 `include "slog_assert.svh"
 module slog_array #(
     parameter  int unsigned GroupBits  = 8,
@@ -61,7 +64,7 @@ module slog_array #(
       .clk_i, .move_i, .a_i(x_a), .b_i(x_b), .count_o(count), .extra_o(extra)
   );
 
-  // The control bits wait for bit 0 of lane 0's count.
+  // Delays the control bits to match bit 0 of lane 0's count.
   logic [Levels+1:0] first_q;
   logic [Levels+2:0] last_q;
   logic [Levels+2:0][LaneW-1:0] lanes_q;
@@ -87,4 +90,16 @@ module slog_array #(
       .clk_i, .rst_i, .move_i, .last_i(last_q[Levels+2]), .lanes_i(lanes_q[Levels+2]), .total_i(total),
       .mismatch_valid_o, .mismatch_o
   );
+
+`ifndef SYNTHESIS
+  int unsigned moves_since_valid;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) moves_since_valid <= Lanes;
+    else if (move_i) moves_since_valid <= valid_i ? 0 : moves_since_valid + 1;
+  end
+`endif
+  `SLOG_ASSERT_INIT(SlogArraySizes, GroupBits == 2 ** Levels && Lanes >= 2)
+  `SLOG_ASSERT(SlogArrayZero, valid_i || !move_i || $past(rst_i)
+                              || ({tpl_a_i, tpl_b_i} == '0 && {search_a_i, search_b_i} == '0))
+  `SLOG_ASSERT(SlogArrayMaskStatic, $stable(mask_i) || moves_since_valid >= Lanes)
 endmodule : slog_array

@@ -2,14 +2,14 @@
 //
 // All counts are clocks from the clock in which slog_operands' step_i.valid is high.
 package slog_array_pkg;
-  // step_i to the operand outputs.
+  // From step_i to the operand outputs.
   localparam int unsigned OperandLatency = 9;
-  // wr_valid_i of a word to the first step_i that may read it.
+  // From wr_valid_i of a word to the first step_i that may read it.
   localparam int unsigned WriteLatency = 1;
-  // step_i to the first wr_valid_i that may overwrite a word the step reads.
+  // From step_i to the first wr_valid_i that may overwrite a word the step reads.
   localparam int unsigned ReuseClocks = 4;
 
-  // Levels of the popcount heap: the operand groups together hold 2**(levels + 1) bits.
+  // Levels of the popcount tree: both operand groups together hold 2**(levels + 1) bits.
   function automatic int unsigned levels(int unsigned group_bits);
     return $clog2(group_bits);
   endfunction
@@ -19,23 +19,23 @@ package slog_array_pkg;
     return 2 * $clog2(group_bits) + 3;
   endfunction
 
-  // Operand inputs of slog_array to the first mismatch_valid_o of the pass that ends with them:
-  // hop 1, XOR 1, heap levels, accumulator 1 + score_bits (bit 0 first), lane selection 3.
+  // From the last operands of a pass at slog_array's inputs to the pass's first mismatch_valid_o:
+  // hop 1, XOR 1, tree levels, accumulator 1 + score_bits (bit 0 first), lane selection 3.
   function automatic int unsigned core_latency(int unsigned group_bits);
     return levels(group_bits) + score_bits(group_bits) + 6;
   endfunction
 
-  // Last step of a pass to its first mismatch_valid_o.
+  // From the last step of a pass to its first mismatch_valid_o.
   function automatic int unsigned array_latency(int unsigned group_bits);
     return OperandLatency + core_latency(group_bits);
   endfunction
 
-  // Clocks for which slog_array must keep moving after one with valid operands.
+  // Clocks for which slog_array's move_i must stay high after a clock with valid operands.
   function automatic int unsigned hold_clocks(int unsigned group_bits, int unsigned lanes);
     return core_latency(group_bits) + lanes;
   endfunction
 
-  // Clocks without a valid step after which mask_i may change.
+  // Clocks without a valid step that must pass before mask_i may change.
   function automatic int unsigned drain_clocks(int unsigned group_bits, int unsigned lanes);
     return OperandLatency + lanes + levels(group_bits);
   endfunction

@@ -1,18 +1,19 @@
-// Brings the lanes' totals out, one per clock: lane k's total is complete one clock after lane k-1's.
+// Outputs the lanes' totals, one per clock: lane k's total is complete one clock after lane k-1's.
 //
 //   mismatch = total of lane 0, 1, .. lanes-1, in that order
 //
 // Stage  registers   valid after the clock of last_i (bit 0 of lane 0; bit i of lane k: + i + k)
-//   1    token_q     1: marks the total bit to take in that clock
-//   2    pair_q      2: AND-OR of two lanes that are neighbours, as they are on the device
-//   3    few_q       3: OR of four pairs, likewise
+//   1    token_q     1: selects the total bit that is taken in that clock
+//   2    pair_q      2: AND-OR of two lanes, neighbours so that their wires are short
+//   3    few_q       3: OR of four neighbouring pairs
 //   4    word_q      4: OR of all
-//   -    early_q     the lower bits wait for the top one: 3 + ScoreBits
+//   -    early_q     3 + ScoreBits: deskew, delays the lower bits to match the top one
 //
 // Latency    : last_i to mismatch_valid_o of lane 0: 3 + ScoreBits clocks.
-// Throughput : one score per clock; a pass's last_i comes at least lanes clocks after the one behind.
-// Reset      : nothing more is marked; marks left over run out before a new pass can end, slice by slice.
-// Formats    : mismatch unsigned; lanes 1..Lanes. mismatch_o is 0 while mismatch_valid_o is low.
+// Throughput : one score per clock; last_i follows the last_i before it by at least that one's lanes_i clocks.
+// Reset      : no new token is made; tokens in flight shift out within ScoreBits clocks, before a new pass can end.
+// Formats    : mismatch unsigned; lanes_i 1..Lanes. mismatch_o is 0 while mismatch_valid_o is low, from ScoreBits + 3
+//              clocks with move_i high after a reset on.
 `include "slog_assert.svh"
 module slog_emit #(
     parameter  int unsigned ScoreBits = 9,
@@ -31,9 +32,9 @@ module slog_emit #(
   localparam int unsigned Pairs = (Lanes + 1) / 2;
   localparam int unsigned Fews  = (Pairs + 3) / 4;
 
-  // Lanes to come after the one marked now, which counts on when there are none, and whether there are some. The copies for
-  // the lanes further on follow one clock after another: the mark takes longer to get there.
-  localparam int unsigned Reach  = 4;  // lanes a copy serves
+  // left_q: lanes still to be selected after the present one; counts down past zero. more_q: there are such lanes.
+  // One copy for every Reach lanes, each one clock behind the copy before it; the token takes longer to reach them.
+  localparam int unsigned Reach  = 4;  // lanes that one copy serves
   localparam int unsigned Copies = (Lanes + Reach - 1) / Reach;
   logic [Copies-1:0][LaneW-1:0] left_q;
   logic [Copies-1:0] more_q;
@@ -112,4 +113,13 @@ module slog_emit #(
 
   `SLOG_ASSERT(SlogEmitOnePass, !(last_i && move_i && more_q[0]))
   `SLOG_ASSERT(SlogEmitLanes, !(last_i && move_i) || (lanes_i != '0 && lanes_i <= LaneW'(Lanes)))
+
+`ifndef SYNTHESIS
+  int unsigned moves_since_reset;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) moves_since_reset <= 0;
+    else if (move_i && moves_since_reset <= ScoreBits + 3) moves_since_reset <= moves_since_reset + 1;
+  end
+`endif
+  `SLOG_ASSERT(SlogEmitZero, mismatch_valid_o || mismatch_o == '0 || moves_since_reset < ScoreBits + 3)
 endmodule : slog_emit

@@ -1,17 +1,18 @@
-// Moves one operand group from lane to lane and compares it there.
+// Passes one operand group from lane to lane and compares template and search bits in each lane.
 //
 //   x[k] = (tpl ^ search[GroupBits-1+k : k]) & mask     for lane k
 //
-// Template and search row enter lane 0 together and hop one lane per clock; the search row slips one bit per hop, the
-// bits that have yet to slip in riding along in ahead_q.
+// Template and search row enter lane 0 together and move on by one lane per clock; the search row is shifted by one bit
+// per lane, and ahead_q carries the bits that are still to be shifted in.
 //
 // Stage  registers                valid at lane k after the operands' clock
-//   1    tpl_q search_q ahead_q   1 + k, and mask_q[k / 4], the mask's copy for four lanes
+//   1    tpl_q search_q ahead_q   1 + k; mask_q[k / 4] is the copy of the mask for four lanes
 //   2    x_q                      2 + k
 //
 // Throughput : one operand row per clock. Everything holds while move_i is low.
-// Borders    : mask_i is static while operands are in flight; a cleared bit never counts. It hops four lanes a clock, so
-//              that no bit of it has to reach across the array, and so is ahead of the operands it comes with.
+// Borders    : mask_i is static while operands are in flight (asserted in slog_array); a bit with mask 0 never counts.
+//              The mask moves on by four lanes per clock, faster than the operands, so that no net spans the array.
+`include "slog_assert.svh"
 module slog_lanes #(
     parameter  int unsigned GroupBits  = 8,
     parameter  int unsigned Lanes      = 5,
@@ -57,4 +58,6 @@ module slog_lanes #(
     end
   end
   assign x_o = x_q;
+
+  `SLOG_ASSERT_INIT(SlogLanesLanes, Lanes >= 2)
 endmodule : slog_lanes

@@ -4,19 +4,20 @@
 //   tpl_a = low, tpl_b = high word of template row tpl_step; search row ring_row, its low and high part    (wide)
 //
 // Stage   registers            valid after the clock of step_i
-//   1-2   step_q, step_q2      1, 2: the walker is far
-//   3-6   tpl_addr_q .. q4     3 .. 6: the templates need less time than the search rows
+//   1-2   step_q, step_q2      1, 2: pipeline registers for the distance from the walker
+//   3-6   tpl_addr_q .. q4     3 .. 6: delay, because templates take fewer stages than search rows
 //   8     template RAM output  8
 //   9     tpl_*_o, search_*_o, valid_o .. lanes_o, move_o    9 = slog_array_pkg::OperandLatency
-// A word that is written is registered three times, too: twice on its way, as the step is, and for each row parity of the
-// ring and for the templates.
+// A word to be written passes three registers: two on its way, as the step does, and one at its destination (the ring's
+// even rows, its odd rows, or the templates).
 //
 // Throughput : one step and one written word per clock.
 // Formats    : bit 0 is leftmost; search rows start at unit step_i.chunk of the ring row (units of GroupBits/2 bits).
-// Rules      : both groups are 0 while valid_o is low, group B also when its row is not there (row_b low). A word can
-//              be read from slog_array_pkg::WriteLatency after its wr_valid_i on, and may be written again
-//              slog_array_pkg::ReuseClocks after the last step that reads it.
-// move_o stays high for slog_array_pkg::hold_clocks after valid_o, then, with HoldIdle, lets the array stand still.
+// Rules      : both groups are 0 while valid_o is low, group B also while row_b_o is low (its row does not exist), from
+//              the second clock after reset on. A step may read a word slog_array_pkg::WriteLatency clocks after the
+//              word's wr_valid_i, and the word may be overwritten slog_array_pkg::ReuseClocks after the last such step.
+//              step_i.lanes 1..Lanes; rows lie within the ring or the template. move_o stays high for
+//              slog_array_pkg::hold_clocks after valid_o; then it falls if HoldIdle is set, and the array holds.
 `include "slog_assert.svh"
 module slog_operands #(
     parameter  int unsigned GroupBits   = 8,
@@ -56,7 +57,7 @@ module slog_operands #(
   `SLOG_ASSERT_INIT(SlogOperandsLanes, 2 * (Lanes - 1) == GroupBits)
   `SLOG_ASSERT_INIT(SlogOperandsRing, 2 ** RingW == RingRows && RingW <= 8 && WordsPerRow <= 16)
 
-  // On their way as they are: the step, and a word to be written.
+  // Pipeline registers: the step, and a word to be written.
   typedef struct packed {
     logic                 valid;
     logic                 tpl;
@@ -79,7 +80,7 @@ module slog_operands #(
                  data: wr_data_i};
   end
 
-  // At the door: where the word goes.
+  // The memory and address to which the word is written.
   logic                 wr_even_q, wr_odd_q, wr_tpl_q, wr_high_q;
   logic [StepW:0]       wr_addr_q;
   logic [RingW-2:0]     wr_pair_q;
@@ -96,7 +97,7 @@ module slog_operands #(
     wr_data_q <= write_q.data;
   end
 
-  // What travels with the operands, and the templates' addresses.
+  // Control bits delayed to match the operands, and the templates' addresses.
   typedef struct packed {
     logic             valid;
     logic             first;
@@ -105,8 +106,8 @@ module slog_operands #(
     logic [LaneW-1:0] lanes;
   } control_t;
   control_t control_q, control_q2, control_q3, control_q4, control_q5, control_q6, control_q7;
-  // The memories are not where the array is: what blanks the rows goes a way of its own, and is the opposite, or synthesis
-  // would take it for control_q.
+  // The memories are far from the array, so they have a separate copy of valid and row_b: inverted, so that synthesis
+  // does not merge it with control_q. A bit set to 1 blanks the group.
   logic [4:0] blank_a_q, blank_b_q;
   logic [StepW:0] tpl_addr_q, tpl_addr_q2, tpl_addr_q3, tpl_addr_q4;
 
@@ -165,7 +166,7 @@ module slog_operands #(
     if (wr_tpl_q) wr_data_q2 <= wr_data_q;
   end
 
-  // Read always: an enable would have far to go.
+  // Always read: an enable would be a long net.
   slog_ram #(.Width(GroupBits), .Depth(2 ** (StepW + 1))) u_tpl_a (
       .clk_i, .wr_en_i(wr_tpl_a_q), .wr_addr_i(wr_addr_q2), .wr_data_i(wr_data_q2),
       .rd_en_i(1'b1), .rd_addr_i(tpl_addr_q4), .rd_data_o(tpl_a)
@@ -178,7 +179,7 @@ module slog_operands #(
   always_ff @(posedge clk_i) begin
     tpl_blank_a_q <= blank_a_q[4];
     tpl_blank_b_q <= blank_b_q[4];
-    // As a reset of theirs: it comes on a network of its own.
+    // A separate if, so that synthesis uses the registers' reset inputs, which have their own network.
     if (rst_i) begin
       tpl_blank_a_q <= 1'b1;
       tpl_blank_b_q <= 1'b1;
@@ -206,4 +207,29 @@ module slog_operands #(
   assign last_o  = control_q7.last;
   assign row_b_o = control_q7.row_b;
   assign lanes_o = control_q7.lanes;
+
+`ifndef SYNTHESIS
+  // The template word that is written in this clock is still needed by a step that has not read it yet.
+  logic tpl_a_taken, tpl_b_taken;
+  always_comb begin
+    tpl_a_taken = (control_q.valid && tpl_addr_q == wr_addr_q2) || (control_q2.valid && tpl_addr_q2 == wr_addr_q2)
+                  || (control_q3.valid && tpl_addr_q3 == wr_addr_q2) || (control_q4.valid && tpl_addr_q4 == wr_addr_q2);
+    tpl_b_taken = (control_q.valid && control_q.row_b && tpl_addr_q == wr_addr_q2)
+                  || (control_q2.valid && control_q2.row_b && tpl_addr_q2 == wr_addr_q2)
+                  || (control_q3.valid && control_q3.row_b && tpl_addr_q3 == wr_addr_q2)
+                  || (control_q4.valid && control_q4.row_b && tpl_addr_q4 == wr_addr_q2);
+  end
+  int unsigned clocks_since_valid;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) clocks_since_valid <= HoldClocks;
+    else clocks_since_valid <= valid_o ? 0 : clocks_since_valid + 1;
+  end
+`endif
+  `SLOG_ASSERT(SlogOperandsMove, move_o || (!valid_o && clocks_since_valid >= HoldClocks))
+  `SLOG_ASSERT(SlogOperandsStep, !step_i.valid || (step_i.lanes != '0 && 32'(step_i.lanes) <= Lanes
+                                 && 32'(step_i.ring_row) < RingRows && 32'(step_i.tpl_step) < 2 * GroupBits))
+  `SLOG_ASSERT(SlogOperandsWrite, !wr_valid_i || 32'(wr_row_i) < (wr_tpl_i ? 2 * GroupBits : RingRows))
+  `SLOG_ASSERT(SlogOperandsTplReuse, !(wr_tpl_a_q && tpl_a_taken) && !(wr_tpl_b_q && tpl_b_taken))
+  `SLOG_ASSERT(SlogOperandsZeroA, valid_o || $past(rst_i) || (tpl_a_o == '0 && search_a_o == '0))
+  `SLOG_ASSERT(SlogOperandsZeroB, (valid_o && row_b_o) || $past(rst_i) || (tpl_b_o == '0 && search_b_o == '0))
 endmodule : slog_operands

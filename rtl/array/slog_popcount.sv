@@ -1,20 +1,21 @@
-// Counts the ones of both groups in every lane, but for group A's bit 0, which leaves as extra_o to be added later.
+// Counts the ones of both groups in every lane, except group A's bit 0, which is output as extra_o and added later.
 //
 //   count[k] + extra[k] = popcount(a_i[k]) + popcount(b_i[k])
 //
 // A tree of registered full adders: a node of level l adds two l-bit numbers of level l-1 (level 0: bits of group B)
-// and one bit of group A as carry in. Numbers travel skewed, bit i one clock after bit i-1, so that every carry takes
-// a clock and there is one full adder between registers. All nodes of a level stand side by side in one word: level l
-// has GroupBits / 2**l nodes and takes group A's bits GroupBits / 2**l and up; node r adds numbers r and r + (nodes).
+// and one bit of group A as carry in. Numbers are bit-skewed, bit i one clock after bit i-1, so that every carry takes
+// a clock and there is one full adder between registers. All nodes of a level share one word: level l has
+// N = GroupBits / 2**l nodes and takes group A's bits 2*N-1..N; node r adds numbers r and r + N of level l-1.
 //
 // Stage   registers                    valid after the clock of a_i, b_i
-//   l     enter_q, rest_q of level l+1 l: group A's bits that enter at level l+1, and above
+//   l     enter_q, rest_q of level l+1 l: group A's bits that enter at level l+1, and at the levels above
 //   l     sum, carry of level l        l + i: bit i
-//         top_q of level l             l + l: the top bit waits, so that it too is one clock after the bit below
+//         top_q of level l             l + l: the top bit, delayed to be one clock after the bit below it
 //
 // Latency    : count bit i: Levels + i clocks; extra: Levels - 1 clocks.
 // Throughput : one count per lane and clock. Everything holds while move_i is low.
 // Formats    : count unsigned, 0..2*GroupBits-1.
+`include "slog_assert.svh"
 module slog_popcount #(
     parameter  int unsigned GroupBits = 8,
     parameter  int unsigned Lanes     = 5,
@@ -27,7 +28,7 @@ module slog_popcount #(
     output logic [Levels:0]      count_o[Lanes],
     output logic                 extra_o[Lanes]
 );
-  // Group A's bits above level l: those for its nodes, and the rest for the levels above.
+  // Group A's bits that enter at level l (enter), and those for the levels above (rest).
   for (genvar l = 1; l <= Levels; l++) begin : g_late
     localparam int unsigned Nodes = GroupBits >> l;
     logic [Nodes-1:0] enter[Lanes], rest[Lanes];
@@ -59,7 +60,7 @@ module slog_popcount #(
     end
   end
 
-  // Level l's number bit i, all nodes in one word.
+  // Bit i of the numbers of level l, all nodes in one word.
   for (genvar l = 0; l <= Levels; l++) begin : g_level
     localparam int unsigned Nodes = GroupBits >> l;
     for (genvar i = 0; i <= l; i++) begin : g_bit
@@ -94,4 +95,6 @@ module slog_popcount #(
     end
   end
   assign extra_o = g_late[Levels].rest;
+
+  `SLOG_ASSERT_INIT(SlogPopcountPowerOfTwo, GroupBits == 2 ** Levels && Levels >= 1)
 endmodule : slog_popcount

@@ -1,18 +1,20 @@
-// A few bits of every unit of the search ring's words, on their way from the memories to the operand rows.
+// Selects a few bits of every unit of the operand rows from the words that the search ring's memories output.
 //
-//   a = units chunk .. chunk+2 of the row of parity odd_a        b = likewise of odd_b, two units further on if wide
+//   a = units chunk .. chunk+2 of the row of parity odd_a
+//   b = units chunk .. chunk+2 of the row of parity odd_b, or chunk+2 .. chunk+4 if wide
 //
-// A unit is half a word. The choice is the same for every bit of a unit, so the ring is cut into slices across the units,
-// each with registers of its own for what chooses: no net has to reach all words.
+// A unit is half a word. The selection is the same for every bit of a unit, so the ring is cut into slices of a few
+// bits of every unit, each with its own registers for the selecting bits: no net has to reach all words.
 //
 // Stage  registers          valid after the clock of odd_a_i .. chunk_i
-//   1    what chooses       1, with word_i in that clock
+//   1    odd_*_q .. chunk_q 1; word_i is taken in that clock
 //   2    a_q2[4] b_q2[4]    2: words of the row
-//   3    a_q3[3] b_q3[4]    3: words from the first quad on
-//   4    a_q4[2] b_q4[2]    4: words from the first unit's on
-//   5    a_o b_o            5: units in place; zero if blank_a_i, blank_b_i were high two clocks before, or rst_i
+//   3    a_q3[3] b_q3[4]    3: words in order, from the quad that holds unit chunk on
+//   4    a_q4[2] b_q4[2]    4: words from the one that holds the first unit on
+//   5    a_o b_o            5: units in order; zero if blank_a_i, blank_b_i or rst_i was high two clocks before
 //
 // Throughput : one choice per clock.
+`include "slog_assert.svh"
 module slog_ring_slice #(
     parameter  int unsigned UnitBits = 4,
     localparam int unsigned WordBits = 2 * UnitBits
@@ -79,4 +81,6 @@ module slog_ring_slice #(
     else if (chunk_q4) b_o <= {b_q4[1], b_q4[0][WordBits-1:UnitBits]};
     else b_o <= {b_q4[1][UnitBits-1:0], b_q4[0]};
   end
+
+  `SLOG_ASSERT(SlogRingSliceBlank, (!$past(blank_a_i, 2) || a_o == '0) && (!$past(blank_b_i, 2) || b_o == '0))
 endmodule : slog_ring_slice

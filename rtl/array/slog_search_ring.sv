@@ -1,21 +1,21 @@
 // Ring of search rows, read as two operand rows of GroupBits + Pitch bits that start at any multiple of Pitch.
 //
 //   a = units chunk .. chunk+2 of row            b = units chunk+2 .. chunk+4 of row           (wide)
-//                                                b = units chunk .. chunk+2 of the next row    (else)
+//                                                b = units chunk .. chunk+2 of the next row    (not wide)
 //
 // A unit is Pitch = GroupBits/2 bits, a word two units, a quad two words. Word w of row r lies in the memory of row
-// parity r[0], quad parity w[1] and word parity w[0], at address {w >> 2, r >> 1}; so two rows and, in each, two
-// quads that follow one another are read at once.
+// parity r[0], quad parity w[1] and word parity w[0], at address {w >> 2, r >> 1}; so two consecutive rows and, in
+// each, two consecutive quads are read at once.
 //
 // Stage  registers          valid after the clock of wide_i, row_i, chunk_i
 //   1    addr_q             1
 //   3    RAM output         3
-//   3-7  slog_ring_slice    7: a_o, b_o; zero if blank_a_i, blank_b_i were high two clocks before,
-//                              or rst_i
+//   3-7  slog_ring_slice    7: a_o, b_o; zero if blank_a_i, blank_b_i or rst_i was high two clocks before
 //
 // Throughput : one read and one write per clock.
-// Rules      : a word can be read by row_i from the clock after its wr_even_i or wr_odd_i on, and written again from the
-//              clock after its row_i on. Words past a row's end read as anything.
+// Rules      : a word whose group is not blanked is not written in the clock of the row_i that reads it: earlier writes
+//              are seen, later ones are not. Words past the end of a row are undefined.
+`include "slog_assert.svh"
 module slog_search_ring #(
     parameter  int unsigned GroupBits   = 8,
     parameter  int unsigned RingRows    = 32,
@@ -28,7 +28,7 @@ module slog_search_ring #(
     input  logic                       clk_i,
     input  logic                       rst_i,
     input  logic                       wr_even_i,  // a word of row 2 * wr_pair_i
-    input  logic                       wr_odd_i,   // ... of the row after that
+    input  logic                       wr_odd_i,   // a word of row 2 * wr_pair_i + 1
     input  logic [RowW-2:0]            wr_pair_i,
     input  logic [3:0]                 wr_word_i,
     input  logic [GroupBits-1:0]       wr_data_i,
@@ -48,8 +48,8 @@ module slog_search_ring #(
   logic       wide_q, wide_q2;
   logic [2:0] chunk_q, chunk_q2;
 
-  // Registers of their own for the memories of each row parity.
-  logic [7:0]           wr_en_q;  // of each memory
+  // Separate registers for the memories of each row parity.
+  logic [7:0]           wr_en_q;  // one bit for each memory
   logic [AddrW-1:0]     wr_addr_q[2];
   logic [GroupBits-1:0] wr_data_q[2];
   always_ff @(posedge clk_i) begin
@@ -82,7 +82,7 @@ module slog_search_ring #(
   logic [GroupBits-1:0] word[2][2][2];
   for (genvar r = 0; r < 2; r++) begin : g_row
     for (genvar q = 0; q < 2; q++) begin : g_quad
-      // Of an odd row the even memory holds the next; of an odd quad likewise.
+      // If row_i is odd, the next row is in the even memories, one address on; the same holds for quads.
       logic [RowW-2:0]  row_at;
       logic [1:0]       quad_at;
       logic [AddrW-1:0] addr_q;
@@ -95,7 +95,7 @@ module slog_search_ring #(
             .wr_en_i  (wr_en_q[4*r+2*q+w]),
             .wr_addr_i(wr_addr_q[r]),
             .wr_data_i(wr_data_q[r]),
-            .rd_en_i  (1'b1),  // an enable would have to reach all of them in a clock
+            .rd_en_i  (1'b1),  // an enable would have to reach all memories in one clock
             .rd_addr_i(addr_q),
             .rd_data_o(word[r][q][w])
         );
@@ -103,7 +103,7 @@ module slog_search_ring #(
     end
   end
 
-  // Across the units: bit i of every unit goes the same way.
+  // Each slice takes the same few bits of every unit.
   for (genvar s = 0; s < Slices; s++) begin : g_slice
     logic [7:0][2*SliceBits-1:0] words;
     logic [3*SliceBits-1:0] a, b;
@@ -130,4 +130,20 @@ module slog_search_ring #(
       assign b_o[u*Pitch+s*SliceBits+:SliceBits] = b[u*SliceBits+:SliceBits];
     end
   end
+
+`ifndef SYNTHESIS
+  // A word of the group is written in the clock in which it is read.
+  function automatic logic written(logic [RowW-1:0] row, logic [4:0] place);
+    return (row[0] ? wr_odd_i : wr_even_i) && wr_pair_i == row[RowW-1:1] && 5'(wr_word_i) == place;
+  endfunction
+  logic clash_a, clash_b;
+  always_comb begin
+    clash_a = written(row_i, 5'(chunk_i[4:1])) || written(row_i, 5'(chunk_i[4:1]) + 5'd1);
+    clash_b = wide_i ? written(row_i, 5'(chunk_i[4:1]) + 5'd1) || written(row_i, 5'(chunk_i[4:1]) + 5'd2)
+                     : written(row_i + 1'b1, 5'(chunk_i[4:1])) || written(row_i + 1'b1, 5'(chunk_i[4:1]) + 5'd1);
+  end
+`endif
+  `SLOG_ASSERT_INIT(SlogSearchRingSizes, RingRows == 2 ** RowW && RowW >= 2 && GroupBits == 2 * Pitch
+                                         && Pitch == Slices * SliceBits && WordsPerRow <= 16)
+  `SLOG_ASSERT(SlogSearchRingSameClock, (!$past(clash_a, 5) || blank_a_i) && (!$past(clash_b, 5) || blank_b_i))
 endmodule : slog_search_ring

@@ -4,13 +4,13 @@
 //
 //   stage  registers
 //   0      store word k, shift, side
-//   1      Width + Width/4 - 1 bits of the pair, after the two high bits of the shift
-//   2..    two more bits of the shift each
-//   last   the word on its way
-// Latency    : 2 + ceil(log2(Width) / 2) clocks from in_valid_i to out_valid_o; words without in_emit_i give none.
+//   1      the pair of words shifted by the two high bits of the shift: Width + Width/4 - 1 bits remain
+//   2..    shifted by two more bits of the shift in each stage
+//   last   output register
+// Latency    : 2 + ceil(log2(Width) / 2) clocks from in_valid_i to out_valid_o; words without in_emit_i have no output.
 // Throughput : one word per clock.
-// Rule       : the words of a row come in consecutive clocks; the word after a row's last one is whatever
-//              in_data_i holds then, so bits past the row's last store word mean nothing.
+// Rule       : the words of a row arrive in consecutive clocks. In the clock after the last word in_data_i
+//              need not belong to the row: output bits past the row's last store word are undefined.
 `include "slog_assert.svh"
 module slog_align #(
     parameter  int unsigned Width   = 64,
@@ -30,7 +30,7 @@ module slog_align #(
     output logic [Width-1:0]  out_data_o,
     output logic [SideW-1:0]  out_side_o
 );
-  localparam int unsigned PadW = 2 * Stages;  // shift bits, made even
+  localparam int unsigned PadW = 2 * Stages;  // shift bits, rounded up to an even number
 
   logic [Latency-1:0] valid_q;
   logic [Width-1:0] low_q;
@@ -48,7 +48,7 @@ module slog_align #(
     low_q      <= in_data_i;
     shift_q[0] <= PadW'(in_shift_i);
     side_q[0]  <= in_side_i;
-    // Not enabled, nor are the words: they may lie anywhere.
+    // No enable, as for the words: the registers may be spread over the device.
     for (int unsigned s = 1; s < Latency; s++) side_q[s] <= side_q[s-1];
     for (int unsigned s = 1; s < Stages; s++) shift_q[s] <= shift_q[s-1];
     out_q <= stage_q[Stages-1][Width-1:0];
@@ -65,7 +65,7 @@ module slog_align #(
       assign wide = stage_q[s-1];
     end
     if (s == 0) begin : g_halves
-      // So many bits look at the first two of the shift that the upper half has a register of its own, with the opposite.
+      // The first two bits of the shift have a large fan-out: the upper half uses an inverted copy of them.
       logic [1:0] opposite_q;
       /* verilator lint_off UNUSEDSIGNAL */
       logic [2*Width-1:0] low, high;

@@ -1,12 +1,13 @@
-// The correlator: operands from the store into the array, its scores into the peak unit. Wiring only.
+// The correlator: feeds operands from the store to the array, and the array's scores to the peak unit. Wiring only.
 //
 //   jobs -> slog_fetch -> slog_operands -> slog_array -> slog_peak -> results, surface
 //                 \-> slog_sequencer -/                  /
 //                              \---- contexts, grants --/
 // Latency    : see the blocks.
-// Throughput : one score per clock while a pass's steps are no more than its offsets.
-// Counters   : busy_o is high from two clocks after a job is offered until it has been fetched and stepped; score_o once
-//              for every score, a clock later.
+// Throughput : one score per clock while a pass has no more steps than offsets.
+// Counters   : busy_o is high from two clocks after a job is offered until two clocks after its last step; score_o is
+//              high for one clock for every score, one clock after the score leaves the array.
+`include "slog_assert.svh"
 module slog_correlator
   import slog_pkg::*, slog_fetch_pkg::*;
 #(
@@ -138,8 +139,8 @@ module slog_correlator
       .busy_o        (sequencer_busy)
   );
 
-  // An array that stands still while it is idle saves the simulator work; in hardware it would cost a clock enable on
-  // every one of its registers.
+  // Holding the array while it is idle saves simulation time; in hardware it would cost a clock enable on every
+  // register of the array.
 `ifdef SLOG_CLOCK_GATE
   localparam bit HoldIdle = 1'b1;
 `else
@@ -234,11 +235,16 @@ module slog_correlator
   end
   assign busy_o = busy_q;
 
-  // The counter is far from the peak unit.
+  // Pipeline register: the counter is far from the peak unit.
   logic score_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) score_q <= 1'b0;
     else score_q <= mismatch_valid;
   end
   assign score_o = score_q;
+
+  `SLOG_ASSERT_INIT(SlogCorrelatorGroup, GroupBits == 2 * Pitch && Lanes == Pitch + 1
+                                         && ScoreBits == slog_array_pkg::score_bits(GroupBits))
+  `SLOG_ASSERT_INIT(SlogCorrelatorImage, WordsPerRow == (MaxWidth + GroupBits - 1) / GroupBits
+                                         && MaxWindow <= 2 * GroupBits && SurfaceDepth >= MaxWidth)
 endmodule : slog_correlator

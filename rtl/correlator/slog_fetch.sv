@@ -1,22 +1,22 @@
 // Takes jobs in order, refuses bad ones, and loads the operands of the others from the store, ahead of the sequencer.
 //
-// A job passes: check (slog_job_check, slog_job_plan) -> ticket -> template rows into the free template bank -> search rows
-// into the ring. The ticket goes out before loading; tpl_done_o and rows_written_o tell how far loading is. Ring rows are
-// counted modulo twice the ring (counter bit RowW-1 is the wrap), from reset on, job after job.
+// Sequence of a job: check (slog_job_check, slog_job_plan) -> ticket -> template rows into the free template bank ->
+// search rows into the ring. The ticket is offered before loading; tpl_done_o and rows_written_o show the progress of
+// loading. Ring rows are counted modulo 2*RingRows (counter bit RowW-1 is the wrap bit), from reset on, over all jobs.
 //
 //   clock  registers (read of a store word)
-//   -2     line_q, tpl_row_q: its row
+//   -2     line_q, tpl_row_q: row of the word
 //   -1     rd_addr_q
 //   0      rd_valid_o, rd_addr_o
 //   S      rd_data_i (S = slog_store_pkg::StoreLatency)
 //   +1     data_q
-//   +A     wr_*_o, aligned (A = latency of slog_align: 5 at 64 bits)
+//   +A     wr_*_o: the aligned word (A = latency of slog_align: 5 at 64 bits)
 //   +1     rows_written_o, tpl_done_o
-// Latency    : job to ticket 14 clocks when a template bank is free, first read 4 clocks after.
-// Throughput : one store read a clock, without gaps in a row or between rows; a job takes 20 clocks plus its reads.
-// Rules      : a row is loaded when the ring has room for it; the ring is filled to its last row.
-//              slot_busy_o marks the slots of the present job from the second clock after it is taken, which is when the
-//              check looks at slot_valid_i of the clock before, until after its last read.
+// Latency    : from job to ticket 14 clocks when a template bank is free; the first read 4 clocks after the ticket.
+// Throughput : one store read per clock, without gaps in a row or between rows; a job takes 20 clocks plus its reads.
+// Rules      : a row is loaded as soon as the ring has room for it; all rows of the ring are used.
+//              slot_busy_o marks the slots of the present job from the second clock after the job is taken (when the
+//              check reads slot_valid_i as registered in the clock before) until after its last read.
 `include "slog_assert.svh"
 module slog_fetch
   import slog_pkg::*, slog_fetch_pkg::*, slog_store_pkg::*;
@@ -53,7 +53,7 @@ module slog_fetch
     output logic             ticket_valid_o,
     input  logic             ticket_ready_i,
     output ticket_t          ticket_o,
-    output logic [1:0]       tpl_done_o,      // per bank: the template of its present job is there
+    output logic [1:0]       tpl_done_o,      // per bank: the template of its present job is loaded
     output logic [RowW-1:0]  rows_written_o,
     input  logic [RowW-1:0]  rows_freed_i,
     input  logic             bank_free_i,     // pulse: the older template bank is free again
@@ -64,7 +64,7 @@ module slog_fetch
   typedef struct packed {
     logic [ShiftW-1:0] shift;
     logic              emit;      // an aligned word begins here
-    logic              row_end;   // the last of its row
+    logic              row_end;   // last word of its row
     logic              load_end;  // row_end of the last row
     logic              tpl;
     logic              wide;
@@ -73,10 +73,11 @@ module slog_fetch
     logic [3:0]        word;
   } side_t;
 
-  // One-hot, in their order: a job is awaited; its slots are marked; check and plan start; are under way; a ticket's place
-  // and a bank are awaited; the ticket is made; template reads; the search's plan is taken; search reads; they are over.
+  // One-hot state, in order: idle; mark the job's slots; start check and plan; wait for their results; wait until the
+  // ticket register and a bank are free; fill the ticket; read the template; load the search's plan; read the search
+  // rows; done.
   logic idle_q, mark_q, start_q, check_q, wait_q, issue_q, tpl_q, turn_q, search_q, over_q;
-  logic held_q;                      // !idle_q, a register of its own for all that the job is
+  logic held_q;                      // !idle_q, a copy for the enables of job_q
   job_t job_q;
 
   // Check and plan.
@@ -118,35 +119,36 @@ module slog_fetch
       .search_o(search_plan)
   );
 
-  // Template banks: given out in turn, come back in turn.
+  // Template banks: allocated and freed in alternation.
   logic [1:0] banks_used_q;
-  logic [7:0] width_q;               // of the job, on its way
+  logic [7:0] width_q;               // job_q.width, pipeline register
   logic bank_q, broad_q, wide_q, ticket_valid_q, refused_q, accept, refuse;
-  logic accept_q, refuse_q;          // issue_q, and the job is accepted, refused
+  logic accept_q, refuse_q;          // issue_q for an accepted, a refused job
   ticket_t ticket_q;
   assign accept = wait_q && !ticket_valid_q && !refused_q && !banks_used_q[1];
   assign refuse = wait_q && !ticket_valid_q && refused_q;
 
-  // The read under way: word word_q of the row that begins, a clock later, at line_q. A rectangle's plan is taken
-  // (take_q) and its first row begun (the clock after) as if a row had ended each time: step_q is high in these clocks
-  // and when a word is read. Between rectangles last_q and last_row_q are high, and nothing depends on the others here.
-  logic take_q, walk_q, step_q, active_q;  // walk_q is !take_q, a register of its own for the counts
-  logic end_q;                       // the rectangle's last word was read in the last clock
+  // The present read: word word_q of its row; line_q, one clock later, is the row's first store address. Loading a
+  // rectangle's plan (take_q) and starting its first row (one clock later) use the same logic as the end of a row:
+  // step_q is high in these two clocks and when a word is read. Between rectangles last_q and last_row_q are high and
+  // the other registers here are don't-care.
+  logic take_q, walk_q, step_q, active_q;  // walk_q: !take_q, a copy for the counters
+  logic end_q;                       // the rectangle's last word was read in the clock before
   logic go_q;                        // a word is read in this clock
-  logic last_q, last_row_q;          // it is its row's last, its row the rectangle's
-  logic more_q;                      // !last_q, a register of its own for the flags
+  logic last_q, last_row_q;          // the word is the last of its row; the row is the last of its rectangle
+  logic more_q;                      // !last_q, a copy for the flags
   logic [AddrW-1:0] line_q, next_line_q;
   logic [3:0] word_q, left_q, words_in_q, words_out_q;
-  logic spare_q;                     // a row touches one word more than it fills
-  logic [9:0] rows_left_q;           // after the next row
+  logic spare_q;                     // a row touches one store word more than it fills aligned words
+  logic [9:0] rows_left_q;           // rows after the next row
   logic [ShiftW-1:0] shift_q;
-  logic [7:0] tpl_row_q;             // of the read in the clock before
-  logic [RowW-1:0] ring_q;           // ring rows given out, mod 2*RingRows
-  logic next_row_q, walk_q2, turn_q2;  // a clock later, for addresses and the template's rows, which have the time
+  logic [7:0] tpl_row_q;             // template row of the read in the clock before
+  logic [RowW-1:0] ring_q;           // ring rows allocated, mod 2*RingRows
+  logic next_row_q, walk_q2, turn_q2;  // one clock late: addresses and template rows are needed one clock later
   logic last, next_row, given, rect_end, go, blocked, next_blocked;
   assign next_row = step_q && last_q;
   assign given    = go_q && last_q && search_q;
-  // Of a row's address the lowest bits are those of all rows: kept apart, they need no enable of their own.
+  // The lowest SameW bits of the address are the same in all rows of a rectangle: they are loaded with its plan only.
   localparam int unsigned SameW = $clog2(WordsPerRow & -WordsPerRow);
   logic [AddrW-1:0] next_line;
   assign next_line = walk_q2 ? next_line_q + AddrW'(WordsPerRow) :
@@ -248,11 +250,11 @@ module slog_fetch
     else if (next_row_q) tpl_row_q <= tpl_row_q + 1'b1;
   end
 
-  // Room in the ring: free rows are known a few clocks late, never early. Whether the ring has come to the limit, or will
-  // have one or two rows on, is found out a clock before it is asked.
-  logic [RowW-1:0] limit_q[3];      // value of ring_q at which the ring is full, or will be one, two rows on
+  // Room in the ring: freed rows count a few clocks late, never early. The comparisons are registered, so they are also
+  // made for one and two rows more: full_q[n] is high if, in the clock before, n more rows would have filled the ring.
+  logic [RowW-1:0] limit_q[3];      // [n]: value of ring_q at which the ring has room for n rows
   logic [2:0] full_q;
-  logic given_q;                    // a ring row was given out in the last clock
+  logic given_q;                    // a ring row was allocated in the clock before
   assign blocked      = search_q && (given_q ? full_q[1] : full_q[0]);
   assign next_blocked = search_q && (given_q ? full_q[2] : full_q[1]);
   always_ff @(posedge clk_i) begin
@@ -271,8 +273,8 @@ module slog_fetch
     end
   end
 
-  // What goes along with a word to the operand write. Before the store read its address is made, and travels.
-  localparam int unsigned Asked = 2;  // the place of the store read in read_q
+  // Side data delayed to match its word, from the read to the operand write. The first stages compute the address.
+  localparam int unsigned Asked = 2;  // stage of the store read in read_q
   localparam int unsigned Came  = Asked + StoreLatency + 1;
   logic [Came:0] read_q;
   side_t side_q[Came+1];
@@ -297,12 +299,12 @@ module slog_fetch
         row: 8'(ring_q[RowW-2:0]),
         word: word_q
     };
-    // The read's own flag has enough to do without an enable here.
+    // The stage after the store read has no enable: read_q[Asked] already drives rd_valid_o.
     for (int unsigned s = 1; s <= Came; s++) if (s == Asked + 1 || read_q[s-1]) side_q[s] <= side_q[s-1];
     if (read_q[0] && side_q[0].tpl) side_q[1].row <= tpl_row_q;
   end
 
-  // The shift has done its work by the end.
+  // The shift is not used after the alignment.
   /* verilator lint_off UNUSEDSIGNAL */
   side_t wr_side;
   /* verilator lint_on UNUSEDSIGNAL */
@@ -358,4 +360,5 @@ module slog_fetch
   `SLOG_ASSERT_STABLE(SlogFetchTicketStable, ticket_valid_o, ticket_ready_i, ticket_o)
   `SLOG_ASSERT(SlogFetchRingNotOverrun, RowW'(ring_q - rows_freed_i) <= RowW'(RingRows))
   `SLOG_ASSERT(SlogFetchBanks, banks_used_q != 2'd3 && !(bank_free_i && banks_used_q == '0))
+  `SLOG_ASSERT(SlogFetchSlotBusy, !rd_valid_o || slot_busy_o[3'(32'(rd_addr_o) / (MaxHeight * WordsPerRow))])
 endmodule : slog_fetch

@@ -1,11 +1,12 @@
-// Lays a grid of jobs from one: job (i, j) is the given one moved by (i * step_x, j * step_y), tag counted up.
+// Makes a grid of jobs from one: job (i, j) is the given job moved by (i * step_x, j * step_y); the tag counts up.
 //
-// Template and search move together. Jobs leave in raster order, i fastest.
-// Latency    : the first job leaves one clock after the command is taken, each when there is room. job_valid_o comes only
-//              where job_ready_i was high in the clock before, which stays high until a job has come.
+// Template and search move together. Jobs are output in raster order, i fastest.
+// Latency    : the first job leaves one clock after the command is taken, later ones when job_ready_i allows.
+// Rules      : job_valid_o is asserted only if job_ready_i was high in the clock before; job_ready_i stays high until
+//              a job has been transferred.
 // Throughput : one job every other clock; one clock between commands.
-// Formats    : a count of 0 is taken as 1. Tags wrap; positions stop at 1023, which is outside every image, so that a grid
-//              that runs off is refused rather than wrapped.
+// Formats    : a count of 0 is taken as 1. Tags wrap; positions saturate at 1023, outside every image, so that jobs
+//              beyond the image are refused rather than wrapped.
 `include "slog_assert.svh"
 module slog_grid
   import slog_pkg::*;
@@ -23,20 +24,20 @@ module slog_grid
     input  logic       job_ready_i,
     output job_t       job_o
 );
-  // One of ready_q (a command is awaited), valid_q (a job is there) and the clock between two jobs. laying_q is !ready_q
-  // and open_q is !valid_q, registers of their own for all that they drive.
+  // States: ready_q (waiting for a command), valid_q (a job is in the output registers), neither (between two jobs).
+  // laying_q is !ready_q and open_q is !valid_q: copies, to limit fan-out.
   logic ready_q, valid_q, laying_q, open_q;
-  logic taken_q;  // the job that is there leaves: known a clock before, as who takes it is far
-  // The command's job: what does not move, and where its first column lies.
+  logic taken_q;  // the job in the output registers leaves in this clock; registered because the receiver is far
+  // The command's job: its constant fields, and the positions of the first column.
   /* verilator lint_off UNUSEDSIGNAL */
   job_t job_q;
   /* verilator lint_on UNUSEDSIGNAL */
   logic [15:0] tag_q;
   logic [9:0] tpl_x_q, tpl_y_q, search_x_q, search_y_q;
   logic [9:0] step_x_q, step_y_q, count_x_q;
-  logic [9:0] left_x_q, left_y_q;           // jobs left in this row, rows left, this one included, but for the last
-  logic last_x_q, last_y_q;                 // this job is its row's last, this row the last
-  // Those of the next job, made while this one is there; positions may still be past 1023.
+  logic [9:0] left_x_q, left_y_q;           // jobs left in this row, rows left, this one included; unused if last
+  logic last_x_q, last_y_q;                 // this job is the last of its row; this row is the last
+  // The same for the next job, computed while valid_q is high; positions are not yet saturated.
   logic [10:0] tpl_x_q2, tpl_y_q2, search_x_q2, search_y_q2;
   logic [9:0] left_x_q2, left_y_q2;
   logic last_x_q2, last_y_q2;
@@ -106,4 +107,6 @@ module slog_grid
 
   `SLOG_ASSERT(SlogGridState, open_q == !valid_q && laying_q == !ready_q && !(ready_q && valid_q))
   `SLOG_ASSERT(SlogGridRoom, taken_q |-> valid_q && job_ready_i)
+  `SLOG_ASSERT(SlogGridJobsApart, job_valid_o |=> !job_valid_o)
+  `SLOG_ASSERT(SlogGridReadyStays, job_ready_i && !job_valid_o |=> job_ready_i)
 endmodule : slog_grid

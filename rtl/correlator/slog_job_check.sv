@@ -1,17 +1,17 @@
-// Decides whether a job can be done, and the area of its window.
+// Checks whether a job can be executed, and computes the area of its window.
 //
-//   status = the first that holds of BadWindow, NoOffsets, BadSlot, Outside (slog_pkg::status_e), else Ok
+//   status = the first that applies of BadWindow, NoOffsets, BadSlot, Outside (slog_pkg::status_e), else Ok
 //   area   = width * height, by shift and add
 //
 //   clock  registers (after start_i in clock 0)
 //   1      width and height; offset and slot tests; right and bottom of the template, extent of the search
-//   2      window tests; template against the image; right and bottom of the search; of two tests of a kind, one
-//   3      search against the image; of the window tests, one
+//   2      window tests; template against the image; right and bottom of the search; no_offsets, bad_slot
+//   3      search against the image; bad_window
 //   4      outside
 //   5      status_o
 //   9      area_o
 // Latency    : done_o 9 clocks after start_i; status_o and area_o stay until the next start_i.
-// Throughput : one job at a time. job_i is stable from start_i to done_o; slot_valid_i is looked at in start_i's clock.
+// Throughput : one job at a time. job_i is stable from start_i to done_o; slot_valid_i is sampled in start_i's clock.
 // Formats    : area_o modulo 2**15: exact for every window a board accepts (up to 128x128).
 `include "slog_assert.svh"
 module slog_job_check
@@ -25,7 +25,7 @@ module slog_job_check
     input  logic              clk_i,
     input  logic              rst_i,
     input  logic              start_i,
-    // The tag does not matter here.
+    // The tag is not used here.
     /* verilator lint_off UNUSEDSIGNAL */
     input  job_t              job_i,
     /* verilator lint_on UNUSEDSIGNAL */
@@ -56,7 +56,7 @@ module slog_job_check
   function automatic logic bad_size(logic [7:0] size);
     return size < 8'(MinWindow) || size > 8'(MaxWindow);
   endfunction
-  // Of a - b only the sign is wanted.
+  // Only the sign of a - b is used.
   function automatic logic less(logic [11:0] a, logic [11:0] b);
     /* verilator lint_off UNUSEDSIGNAL */
     logic [12:0] difference = 13'(a) - 13'(b);
@@ -67,16 +67,16 @@ module slog_job_check
   assign good_slots = slot_valid_i & 8'((1 << Slots) - 1);
 
   logic bad_width_q, bad_height_q, none_across_q, none_down_q;
-  logic [1:0] good_tpl_q, good_search_q;                       // if it is one of slots 0..3, 4..7
-  logic [10:0] tpl_right_q, tpl_bottom_q, span_x_q, span_y_q;  // first column or row past; extent plus one
+  logic [1:0] good_tpl_q, good_search_q;                       // [n]: the result if slot bit 2 is n
+  logic [10:0] tpl_right_q, tpl_bottom_q, span_x_q, span_y_q;  // column, row after the template; search size plus one
   logic [10:0] limit_x_q, limit_y_q;                           // image size plus one
-  logic [11:0] right_q, bottom_q;                              // first column or row past the search, plus one
+  logic [11:0] right_q, bottom_q;                              // column, row after the search, plus one
   logic tpl_out_q, tpl_below_q, out_q, below_q, outside_q, bad_window_q, no_offsets_q, bad_slot_q;
   status_e status_q;
   logic [7:0] factor_q, width_q;                               // the height, its highest bit first; the width
   logic [ScoreW-1:0] area_q;
   always_ff @(posedge clk_i) begin
-    // What depends on the job alone is right from the clock after start_i on, with no enable.
+    // Registers that depend on job_i only are valid from the clock after start_i on and need no enable.
     width_q       <= job_i.width;
     factor_q      <= busy_q ? factor_q << 1 : job_i.height;
     none_across_q <= job_i.offsets_x == '0;
@@ -109,7 +109,7 @@ module slog_job_check
       no_offsets_q <= none_across_q || none_down_q;
       bad_slot_q   <= !good_tpl_q[job_i.tpl_slot[2]] || !good_search_q[job_i.search_slot[2]];
       outside_q    <= tpl_out_q || tpl_below_q || out_q || below_q;
-      // The first of these, as a gate for each bit.
+      // Priority encoder, one gate per bit.
       status_q <= status_e'({!bad_window_q && !no_offsets_q && !bad_slot_q && outside_q,
                              !bad_window_q && (no_offsets_q || bad_slot_q),
                              bad_window_q || (!no_offsets_q && bad_slot_q)});
@@ -124,4 +124,7 @@ module slog_job_check
                                        && StatusBadSlot == 3 && StatusOutside == 4)
   `SLOG_ASSERT(SlogJobCheckOneAtATime, !(start_i && busy_q))
   `SLOG_ASSERT(SlogJobCheckStable, busy_q |-> $stable(job_i))
+  `SLOG_ASSERT_INIT(SlogJobCheckRanges, MinWindow >= 1 && MinWindow <= MaxWindow && MaxWindow ** 2 < 2 ** ScoreW
+                                        && Slots >= 1 && Slots <= 8)
+  `SLOG_ASSERT(SlogJobCheckKept, !busy_q && !start_i |=> $stable({status_o, area_o}))
 endmodule : slog_job_check

@@ -1,12 +1,12 @@
-// Where a job's template and search rectangles lie in the store.
+// Computes where a job's template and search rectangles lie in the store.
 //
 //   addr      = (slot * MaxHeight + y) * WordsPerRow + x / Width        shift = x mod Width
 //   words_in  = (x + bits - 1) / Width - x / Width                      words_out = (bits - 1) / Width
 //   template: bits = width, rows = height; search: bits = width + offsets_x - 1, rows = height + offsets_y - 1
-//   words_in, words_out and rows are less one (load_t). The product is made by shift and add.
+//   words_in, words_out and rows are counts less one (load_t). The product is computed by shift and add.
 //
-// Latency    : tpl_o and search_o are right from WordsBits + 5 clocks after start_i, while job_i stays.
-// Throughput : one job at a time. The plan of a job that is refused means nothing.
+// Latency    : tpl_o and search_o are valid from WordsBits + 5 clocks after start_i on, while job_i is stable.
+// Throughput : one job at a time. The plan of a refused job is undefined.
 `include "slog_assert.svh"
 module slog_job_plan
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -27,9 +27,9 @@ module slog_job_plan
 );
   localparam int unsigned LineW = $clog2(8 * MaxHeight + 1024);
 
-  // The job lies far.
+  // Pipeline registers: the job is far.
   logic start_q;
-  // The tag does not matter here.
+  // The tag is not used here.
   /* verilator lint_off UNUSEDSIGNAL */
   job_t job_q;
   /* verilator lint_on UNUSEDSIGNAL */
@@ -57,7 +57,7 @@ module slog_job_plan
     return 4'(column >> ShiftW);
   endfunction
 
-  // Extents.
+  // Sizes.
   logic [7:0] width_q, height_q;            // bits of a template row, and rows, less one
   logic [9:0] across_q, down_q;             // offsets, less one
   logic [9:0] span_q, search_rows_q;        // bits of a search row, and rows, less one
@@ -82,7 +82,7 @@ module slog_job_plan
     if (at_q[2]) search_words_q <= search_last_q - word_of(job_q.search_x);
   end
 
-  // Addresses: the line, WordsBits steps of shift and add, each a clock after its term is chosen, the word within the row.
+  // Addresses: the line; WordsBits steps of shift and add, each one clock after its term is selected; the word.
   logic [LineW-1:0] tpl_first_q, search_first_q, tpl_line_q, search_line_q, tpl_term_q, search_term_q;
   logic [WordsBits-1:0] factor_q;
   logic [15:0] tpl_addr_q, search_addr_q;
@@ -135,4 +135,5 @@ module slog_job_plan
   `SLOG_ASSERT_INIT(SlogJobPlanShift, ShiftW <= 6 && ShiftW >= 2)
   `SLOG_ASSERT_INIT(SlogJobPlanWords, WordsPerRow <= 15 && 8 * MaxHeight * WordsPerRow <= 65536)
   `SLOG_ASSERT(SlogJobPlanStable, (start_q || |at_q) |-> $stable(job_i))
+  `SLOG_ASSERT(SlogJobPlanOneAtATime, !(start_q && |at_q))
 endmodule : slog_job_plan

@@ -1,18 +1,20 @@
-// Turns tickets into steps of the array: one job after the other, rows of offsets one ahead of the walker.
+// Turns tickets into steps of the array: one job after the other, preparing the next row of offsets while slog_walker
+// steps through the present one.
 //
-// For each ticket: prepare (4 clocks), context to the peak unit, then, if accepted, the mask, then row after row: grant
-// of the peak unit, operands loaded, row to slog_walker. A refused job only passes its context on.
+// For each ticket: prepare (4 clocks); pass the context to the peak unit; then, if the job is accepted, load the mask,
+// and for every row wait for the peak unit's grant and for the operands, then pass the row to slog_walker. Of a refused
+// job only the context is passed on.
 //
 //   steps   = wide ? height : ceil(height / 2)              wide = width > GroupBits
 //   passes  = ceil((offsets_x - 1) / Pitch), at least 1: Pitch offsets each, 1..Pitch+1 in the last
-//   gap     = offsets of the pass before - steps, at least 0: idle clocks, as lanes leave one a clock
-// Latency    : row_ready_i to the first step_o 5 clocks (no gap, operands there, walker idle).
-// Throughput : one step a clock from row to row, if a row takes 4 clocks or more and grants come at once; also from job to
-//              job of equal width, if those at its end take 8. A job of another width waits until the array has drained
-//              (DrainClocks), as mask_o is for all lanes alike.
-// Rules      : contexts, grants and rows are in job order; a grant is asked for when the walker has taken the row before.
-//              mask_o: {group B, group A}, 1 = the bit belongs to the window; static while a step is on its way;
-//              6 clocks after the array has drained it is that of a job of another width.
+//   gap     = offsets of the pass before - steps, at least 0: idle clocks, because lanes output one score per clock
+// Latency    : row_ready_i to the first step_o 5 clocks (no gap, operands loaded, walker idle).
+// Throughput : one step per clock from row to row, if a row takes 4 clocks or more and grants are immediate; also from
+//              job to job of equal width, if the last rows take 8. A job of another width waits until the array has
+//              drained (DrainClocks), because all lanes use the same mask_o.
+// Rules      : contexts, grants and rows are in job order; a grant is requested after the walker has taken the row
+//              before. Ring rows are freed only after they were written. mask_o: {group B, group A}, 1 = the bit
+//              belongs to the window; static while a step is in flight; changes 6 clocks after the array has drained.
 `include "slog_assert.svh"
 module slog_sequencer
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -45,26 +47,26 @@ module slog_sequencer
   localparam int unsigned PitchW = $clog2(Pitch);
   localparam int unsigned GroupW = $clog2(GroupBits);
 
-  // One-hot.
+  // One-hot state.
   logic idle_q, prepare_q, context_q, masking_q, rows_q;
-  // The template's and the search's place no longer matter, and the row counter is as wide as the largest board's.
+  // The positions of template and search are not used here, and the row counter has the width of the largest board's.
   /* verilator lint_off UNUSEDSIGNAL */
   ticket_t t_q;
   /* verilator lint_on UNUSEDSIGNAL */
 
-  // Prepare: four stages that follow the ticket, which stays. No enable: it would have far to go, as the mask has.
+  // Prepare: four stages after t_q, which holds the ticket. They have no enable, because it would be a long net.
   logic [2:0] prep_q;
   logic wide_q, single_q, same_width_q, good_q;
   logic [7:0] paired_steps_q;
-  logic [1:0] tail_q;                // bits of the width below GroupBits' own: any in the upper, the lower half
+  logic [1:0] tail_q;                // width mod GroupBits: any bit set in its upper, its lower half
   logic [9:0] across_q;              // offsets_x - 2, unless single
   logic [7:0] steps_q, more_steps_q;
   logic [4:0] last_chunk_q;
   logic [5:0] more_passes_q, last_lanes_q;
   logic [6:0] gap_first_q, gap_pass_q, gap_row_q;
-  logic [7:0] mask_width_q;          // width mask_o is made for; 0 = none
-  logic [2:0] mask_wide_q;           // [k]: that width's wide_q, k clocks later
-  // Less one; negative where there is no gap, whatever the other bits.
+  logic [7:0] mask_width_q;          // width for which mask_o is valid; 0 = none
+  logic [2:0] mask_wide_q;           // [k]: wide_q of that width, k clocks later
+  // The gap less one; if there is none the sign bit is set and the other bits are arbitrary.
   function automatic logic [6:0] gap(logic [5:0] lanes, logic [7:0] steps);
     /* verilator lint_off UNUSEDSIGNAL */
     logic [8:0] less_one = 9'(lanes) + {1'b1, ~steps};
@@ -89,19 +91,19 @@ module slog_sequencer
     gap_row_q      <= gap(last_lanes_q, steps_q);
   end
 
-  // Mask: units of Unit bits are full, empty or partly full. It follows the width it is made for, without enables, which
-  // would reach over the whole array.
+  // Mask: units of Unit bits are full, empty or partly full. It is computed from mask_width_q without enables, which
+  // would be nets across the whole array.
   localparam int unsigned UnitW    = (GroupBits < 8) ? $clog2(GroupBits) : 3;
   localparam int unsigned Unit     = 1 << UnitW;
   localparam int unsigned Units    = 2 * GroupBits / Unit;
   localparam int unsigned HalfUnit = GroupBits / Unit;
   localparam int unsigned CountW   = 8 - UnitW;
-  logic [3:0] past_low_q, in_low_q;     // the window's units, in two parts: more than, just as many as
+  logic [3:0] past_low_q, in_low_q;     // [n]: the number of full units is above n, equal to n; low and high part apart
   logic [(1<<CountW)/4-1:0] past_high_q, in_high_q;
-  logic [Units-1:0] reached_q, ends_q;  // of a window in one row: reaches past the unit, ends in it
+  logic [Units-1:0] reached_q, ends_q;  // [u]: a row over both groups reaches past unit u, ends in it
   logic [Units-1:0] full_q, partly_q;
   logic [Unit-1:0] part_q, part_q2, part_q3;
-  logic [2*GroupBits-1:0] mask_q, mask_q2;  // as made; on its way to the array
+  logic [2*GroupBits-1:0] mask_q, mask_q2;  // mask_q2: pipeline register for the distance to the array
   logic mask_load;
   always_ff @(posedge clk_i) begin
     for (int unsigned n = 0; n < 4; n++) begin
@@ -115,7 +117,7 @@ module slog_sequencer
     for (int unsigned u = 0; u < Units; u++) begin
       reached_q[u] <= past_high_q[u/4] || (in_high_q[u/4] && past_low_q[u%4]);
       ends_q[u]    <= in_high_q[u/4] && in_low_q[u%4];
-      // In a paired step group B is a row of its own.
+      // In a paired step group B holds another row, with the same mask as group A.
       full_q[u]   <= (mask_wide_q[2] || u < HalfUnit) ? reached_q[u] : reached_q[u-HalfUnit];
       partly_q[u] <= (mask_wide_q[2] || u < HalfUnit) ? ends_q[u] : ends_q[u-HalfUnit];
     end
@@ -130,12 +132,12 @@ module slog_sequencer
     if (mask_load) mask_wide_q[0] <= wide_q;
   end
 
-  // Rows.
+  // Rows of offsets.
   logic [RowW-2:0] top_q;                   // ring row of the window's top
-  logic [RowW-1:0] top_next_q, need_q;      // ring row counters: of the row below that; rows that must be there
+  logic [RowW-1:0] top_next_q, need_q;      // ring row counters: of the row below; required value of rows_written_i
   logic [10:0] down_q, down_next;           // rows of offsets after the next one, less one: negative when there is none
   logic final_q;                            // the next row is the last
-  logic [RowW-1:0] ahead;                   // ring rows there beyond those that must be: negative when some are missing
+  logic [RowW-1:0] ahead;                   // ring rows written beyond those required: negative when some are missing
   logic there_q;                            // the next row's operands are loaded
   logic row_valid_q, granted_q, begun_q;
   logic turn_q;                             // prep_q[0] || took_q
@@ -245,4 +247,8 @@ module slog_sequencer
   `SLOG_ASSERT_STABLE(SlogSequencerCtxStable, ctx_valid_o, ctx_ready_i, ctx_o)
   `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, row_offsets_o)
   `SLOG_ASSERT(SlogSequencerMaskStatic, !$stable(mask_o) |-> !step_o.valid)
+  `SLOG_ASSERT_INIT(SlogSequencerSizes, GroupBits == 2 * Pitch && GroupBits >= 4 && RingRows == 2 ** (RowW - 1)
+                                        && RingRows <= 256)
+  `SLOG_ASSERT(SlogSequencerGrantOrder, !row_valid_o || !token_valid_q)
+  `SLOG_ASSERT(SlogSequencerFreed, RowW'(rows_written_i - rows_freed_o) <= RowW'(RingRows))
 endmodule : slog_sequencer

@@ -1,12 +1,15 @@
-// Steps through one row of offsets: pass after pass along the row, step after step down the window.
+// Steps through one row of offsets: the passes along the row, and in each pass the steps down the window.
 //
-//   pass c scores offsets c*Pitch .. c*Pitch + lanes - 1; step s reads ring rows ring_row + 2s, + 2s + 1 (paired) or + s (wide)
+//   pass c scores offsets c*Pitch .. c*Pitch + lanes - 1
+//   step s reads ring rows ring_row + 2s, ring_row + 2s + 1 (paired), or ring_row + s (wide)
 //
-// Latency    : row_valid_i && row_ready_o to the first step_o 3 clocks plus gap_row; rows_freed_o in the clock of the step.
-// Throughput : a step a clock; from row to row no clock is lost when the next row is offered in time. Gaps before passes
-//              (gap_row, gap_pass) keep the ends of two passes at least as many clocks apart as the earlier one has offsets.
-// Rules      : a row's ring rows, and after the job's last row its template bank, are free after its last step.
-//              drained_o: nothing to do, and no valid step for at least DrainClocks clocks.
+// Latency    : row_valid_i && row_ready_o to the first step_o 3 clocks plus gap_row; rows_freed_o changes and
+//              bank_free_o is asserted in the clock of a last step.
+// Throughput : one step per clock, without a gap between rows if the next row is offered in time. Gaps before passes
+//              (gap_row, gap_pass) keep the ends of two passes apart by at least the offsets of the earlier one.
+// Rules      : a row that is offered stays offered until it is taken. After its last step its ring rows are freed, and,
+//              if it is the job's last row, the template bank. drained_o: no row is offered or in work, and no step was
+//              valid for at least DrainClocks clocks.
 `include "slog_assert.svh"
 module slog_walker
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -30,13 +33,13 @@ module slog_walker
   localparam int unsigned RingW  = RowW - 1;
   localparam int unsigned DrainW = $clog2(DrainClocks) + 1;
 
-  // The row counter is as wide as the largest board's.
+  // The row counter has the width of the largest board's.
   /* verilator lint_off UNUSEDSIGNAL */
   row_t row_q;
   /* verilator lint_on UNUSEDSIGNAL */
   logic active_q;
-  // For each flag a second register, its opposite, low without a row, for the counters: they, too, then stand as at the
-  // end of a row.
+  // Each flag has an inverted copy for the counters (waiting_q, more_q, again_q): all 0 when no row is loaded, as at
+  // the end of a row.
   logic stepping_q, waiting_q;  // not in a gap
   logic last_q, more_q;         // the next step is the last of its pass
   logic last_pass_q, again_q;   // this pass is the last of its row
@@ -56,7 +59,7 @@ module slog_walker
   assign steps_next  = steps_q - 1'b1;
   assign passes_next = passes_q - 1'b1;
 
-  // Each flag is the sign that its counter takes. While there is no row, whatever is offered is loaded.
+  // Each flag is the next sign bit of its counter. While no row is active, row_i is loaded, valid or not.
   always_comb begin
     stepping  = stepping_q || gap_next[6];
     last      = stepping_q ? steps_next[7] : last_q;
@@ -108,15 +111,15 @@ module slog_walker
     gap_q <= waiting_q ? gap_next : again_q ? row_q.gap_pass : row_i.gap_row;
   end
 
-  // The step, made in two clocks: what the flags say, in registers that count and clear on their way to the memories.
+  // The step is assembled in two clocks: first from the flags and the row, then with the counters of the second stage.
   step_t made_q, step_q;
   logic valid_q, valid_q2, passed_q, first_pass_q, ended_q, final_q, bank_free_q, drained_q;
-  logic count_q;                // the step after made_q is one on, or a pass's first
+  logic count_q;                // the step counters advance or restart
   logic first_q;
   logic [6:0] tpl_step_q;
   logic [4:0] chunk_q;
   logic [RowW-1:0] free_to_q, freed_q;
-  logic [DrainW-1:0] drain_q;  // clocks before drained_o, less two: negative when there are none
+  logic [DrainW-1:0] drain_q;  // clocks until drained_o, less two: negative at the end
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       valid_q     <= 1'b0;
@@ -181,4 +184,17 @@ module slog_walker
 
   `SLOG_ASSERT(SlogWalkerCopies, {waiting_q, more_q, again_q} == ({3{active_q}} & ~{stepping_q, last_q, last_pass_q}))
   `SLOG_ASSERT_INIT(SlogWalkerPitch, Pitch <= 62)
+  `SLOG_ASSERT_INIT(SlogWalkerRing, RingRows == 2 ** RingW && RingRows <= 256)
+  `SLOG_ASSERT_STABLE(SlogWalkerRowStable, row_valid_i, row_ready_o, row_i)
+  `SLOG_ASSERT(SlogWalkerLanes, !row_valid_i || (row_i.last_lanes != '0 && 32'(row_i.last_lanes) <= Pitch + 1))
+  `SLOG_ASSERT(SlogWalkerFreed, $past(rst_i) || ($stable(rows_freed_o) && !bank_free_o)
+                               || (step_o.valid && step_o.last))
+`ifndef SYNTHESIS
+  int unsigned clocks_since_step;
+  always_ff @(posedge clk_i) begin
+    if (rst_i || step_o.valid) clocks_since_step <= 0;
+    else clocks_since_step <= clocks_since_step + 1;
+  end
+`endif
+  `SLOG_ASSERT(SlogWalkerDrained, !drained_o || (!busy_o && !step_o.valid && clocks_since_step >= DrainClocks))
 endmodule : slog_walker

@@ -1,14 +1,14 @@
-// Peak unit: from the array's mismatch counts to each job's best score, its neighbours and the runner-up.
+// Peak unit: finds each job's best score, its neighbours and the runner-up from the array's mismatch counts.
 //
 // score = area - mismatch, in raster order over the offsets of a job.
 //
-// Handshake  : the array cannot be stopped within a row of offsets, so room for a whole row is reserved before it starts:
-//              a row may start in a clock with row_valid_i and row_ready_o (row_offsets_i = the job's offsets_x, counted
-//              in that clock). row_ready_o does not depend on row_valid_i and is low for one clock after each grant, and
-//              ctx_ready_o not on ctx_valid_i: a context is taken in every other clock at most.
+// Handshake  : the array cannot be stopped within a row of offsets, so room for a whole row is reserved before it
+//              starts: a row is granted in a clock with row_valid_i and row_ready_o, in which row_offsets_i is the
+//              job's offsets_x. row_ready_o does not depend on row_valid_i and is low for one clock after each grant;
+//              ctx_ready_o does not depend on ctx_valid_i: a context is taken in every other clock at most.
 //              A job's context must be taken (ctx_valid_i, ctx_ready_o) no later than in the clock of its first grant.
-//              Scores of granted rows come in grant order, gaps allowed; they are never refused.
-// Results    : one in two clocks at most.
+//              Scores of granted rows arrive in grant order, gaps allowed; they are always accepted.
+// Results    : one in two clocks at most. Results and surface scores stay offered, unchanged, until they are taken.
 // Formats    : mismatch_i unsigned; scores ScoreW bits; absent scores in res_o are NoScore.
 // Ties       : the first in raster order is the best.
 `include "slog_assert.svh"
@@ -16,7 +16,7 @@ module slog_peak
   import slog_pkg::*;
   import slog_peak_pkg::*;
 #(
-    parameter  int unsigned MaxOffsets  = 640,          // offsets across, at most
+    parameter  int unsigned MaxOffsets  = 640,          // maximum of offsets_x
     parameter  int unsigned ScoreBits   = 15,           // bits of mismatch_i
     parameter  int unsigned ScoreDepth  = 1024,         // scores held between array and peak search, >= MaxOffsets
     parameter  int unsigned ResultDepth = 64,           // results held for the host
@@ -48,14 +48,14 @@ module slog_peak
     output logic [ResultLevelW-1:0] res_level_o
 );
   localparam int unsigned Banks = 4;
-  localparam int unsigned RowDepth = 4;    // rows begun and not decided: each holds a bank
+  localparam int unsigned RowDepth = 4;    // rows begun and not yet decided: each occupies a bank
   localparam int unsigned RowLevelW = $clog2(RowDepth + 1);
   localparam int unsigned ContextDepth = 8;
-  localparam int unsigned OutcomeDepth = 8;  // rows in the scan's pipeline, one in two clocks
+  localparam int unsigned OutcomeDepth = 8;  // rows in the scan's pipeline: one in two clocks
   localparam int unsigned SurfaceDepth = 16;
-  localparam int unsigned SurfaceRoom = 6;   // scores that may be on their way when surf_ok_q falls
+  localparam int unsigned SurfaceRoom = 6;   // scores that may still arrive after surf_ok_q falls
 
-  // The array is far.
+  // Pipeline registers: the array is far.
   logic arrived_q;
   logic [ScoreBits-1:0] mismatch_q;
   always_ff @(posedge clk_i) begin
@@ -64,7 +64,7 @@ module slog_peak
   end
   always_ff @(posedge clk_i) mismatch_q <= mismatch_i;
 
-  // Scores wait here, so that a row can run into it whatever the search behind is doing.
+  // Queue of scores: accepts whole rows even while the search is stalled.
   logic queue_valid, queue_ready, queue_room;
   logic [ScoreBits-1:0] queue_mismatch;
   logic [$clog2(ScoreDepth+1)-1:0] unused_queue_level;
@@ -73,7 +73,7 @@ module slog_peak
       .out_valid_o(queue_valid), .out_ready_i(queue_valid && queue_ready), .out_data_o(queue_mismatch),
       .level_o(unused_queue_level));
 
-  // Rows are granted where the sequencer is.
+  // Grants are made near the sequencer, so the freed places reach u_room through a register.
   logic taken_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) taken_q <= 1'b0;
@@ -82,7 +82,7 @@ module slog_peak
   slog_peak_room #(.Depth(ScoreDepth), .MaxOffsets(MaxOffsets)) u_room (
       .clk_i, .rst_i, .row_valid_i, .row_ready_o, .row_offsets_i, .taken_i(taken_q));
 
-  // Contexts, unrolled into rows. They come from where the sequencer is.
+  // Contexts, unrolled into rows. The first stage covers the distance from the sequencer.
   logic ctx_valid, ctx_ready, near_ctx_valid, near_ctx_ready, queued_ctx_valid, queued_ctx_ready;
   context_t ctx, near_ctx, queued_ctx;
   logic [$clog2(ContextDepth+1)-1:0] unused_ctx_level;
@@ -97,7 +97,7 @@ module slog_peak
       .clk_i, .rst_i, .in_valid_i(queued_ctx_valid), .in_ready_o(queued_ctx_ready), .in_data_i(queued_ctx),
       .out_valid_o(ctx_valid), .out_ready_i(ctx_ready), .out_data_o(ctx));
 
-  logic row_coming, row_taken, row_refused, no_row_q;  // no_row_q: none was taken in the clock before
+  logic row_coming, row_taken, row_refused, no_row_q;  // no_row_q: no row was taken in the clock before
   row_t row;
   scoring_t scoring;
   slog_peak_rows u_rows (
@@ -109,7 +109,7 @@ module slog_peak
     else no_row_q <= !row_taken;
   end
 
-  // Scores with their places.
+  // Scores with their columns and banks.
   logic score_valid, score_first, score_last, surf_valid, surf_first, surf_last, surf_ok_q, surf_ok_q2;
   logic [9:0] score_x;
   logic [ScoreW-1:0] score;
@@ -142,7 +142,8 @@ module slog_peak
     end
   end
 
-  // Row banks: row r of offsets, counted over all jobs, in bank r mod Banks.
+  // Row banks: row r of offsets, counted over all jobs, is in bank r mod Banks. A new row never overtakes a scan that
+  // still reads the bank.
   logic [Banks-1:0] read;
   logic [9:0] read_x;
   logic [Banks-1:0][ScoreW-1:0] bank_data;
@@ -153,7 +154,7 @@ module slog_peak
         .rd_en_i(read[b]), .rd_addr_i(read_x[AddrW-1:0]), .rd_data_o(bank_data[b]));
   end
 
-  // Each row's maximum, queued beside the row itself.
+  // Each row's maximum, in a queue parallel to that of the rows.
   logic max_valid;
   logic [ScoreW-1:0] max_score;
   logic [9:0] max_x;
@@ -214,15 +215,15 @@ module slog_peak
       .outcome_i(outcome), .around_valid_o(around_valid), .around_o(around),
       .verdict_valid_o(verdict_valid), .verdict_o(verdict));
 
-  // Results: neighbours are known before the rest, so each half has a queue, and they leave together into a register. A
-  // job's last row is searched only when a place is kept for its result, so neither queue is ever found full.
+  // Results: the neighbours are complete before the rest, so each part has a queue; both leave together to a register.
+  // A job's last row is scanned only when a place is reserved for its result, so neither queue overflows.
   logic around_room, around_out_valid, verdict_room, verdict_out_valid, result_room, result_pop;
   verdict_t verdict_out;
   logic [7:0][ScoreW-1:0] around_out;
   logic [ResultLevelW-1:0] unused_around_level, unused_verdict_level, kept_q, level_q;
-  logic keep, popped;            // a place is kept, a result left
+  logic keep, popped;            // a place is reserved; a result leaves
   logic keep_q, popped_q;        // one clock late
-  logic kept_all_q, kept_one_q;  // no place is left, one is
+  logic kept_all_q, kept_one_q;  // no free place is left; one is left
   logic room_q;
   slog_ram_fifo #(.Width(8 * ScoreW), .Depth(ResultDepth), .Kept(1'b1)) u_around (
       .clk_i, .rst_i, .in_valid_i(around_valid), .in_ready_o(around_room), .in_data_i(around),
@@ -234,7 +235,7 @@ module slog_peak
       .level_o(unused_verdict_level));
 
   result_t whole;
-  assign result_pop = verdict_out_valid && result_room;  // the neighbours are there before it
+  assign result_pop = verdict_out_valid && result_room;  // the neighbours are queued earlier
   assign whole = '{tag: verdict_out.tag, status: verdict_out.status, best_x: verdict_out.best_x,
                    best_y: verdict_out.best_y, score: verdict_out.score, neighbour: around_out,
                    runner_up: verdict_out.runner_up};
@@ -256,7 +257,7 @@ module slog_peak
       popped_q   <= 1'b0;
       level_q    <= '0;
     end else begin
-      // Orders come at most one in two clocks, so this has seen the last one.
+      // Orders are at least two clocks apart, so keep_q and keep cover every order not counted yet.
       room_q   <= popped_q || !(kept_all_q || (kept_one_q && (keep_q || keep)));
       keep_q   <= keep;
       popped_q <= popped;
@@ -282,4 +283,22 @@ module slog_peak
   `SLOG_ASSERT(SlogPeakRoom, room_q == (!kept_all_q && !(kept_one_q && keep_q)))
   `SLOG_ASSERT(SlogPeakKept, kept_all_q == (kept_q == ResultLevelW'(ResultDepth))
                              && kept_one_q == (kept_q == ResultLevelW'(ResultDepth - 1)))
+  `SLOG_ASSERT_INIT(SlogPeakSizes, ScoreDepth >= MaxOffsets && MaxOffsets <= 1023 && ScoreBits <= ScoreW
+                                   && ResultDepth >= 2)
+  `SLOG_ASSERT_STABLE(SlogPeakSurfaceStable, surf_tvalid_o, surf_tready_i, {surf_tdata_o, surf_tuser_o, surf_tlast_o})
+  `SLOG_ASSERT_STABLE(SlogPeakResultStable, res_valid_o, res_ready_i, res_o)
+  `SLOG_ASSERT(SlogPeakResultsApart, res_valid_o && res_ready_i |=> !res_valid_o)
+  `SLOG_ASSERT(SlogPeakContextsApart, ctx_valid_i && ctx_ready_o |=> !ctx_ready_o)
+  `SLOG_ASSERT(SlogPeakNotOvertaken, (write_bank & read) == '0 || score_x < read_x)
+`ifndef SYNTHESIS
+  // Rows of the contexts taken, less the rows granted.
+  int unsigned rows_owed;
+  logic ctx_scored;
+  assign ctx_scored = ctx_valid_i && ctx_ready_o && ctx_i.status == StatusOk;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) rows_owed <= 0;
+    else rows_owed <= rows_owed + (ctx_scored ? 32'(ctx_i.offsets_y) : 0) - 32'(row_valid_i && row_ready_o);
+  end
+`endif
+  `SLOG_ASSERT(SlogPeakContextFirst, !(row_valid_i && row_ready_o) || rows_owed != 0 || ctx_scored)
 endmodule : slog_peak

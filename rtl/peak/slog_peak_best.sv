@@ -1,50 +1,50 @@
-// Decides for each complete row whether it holds the best score of its job so far, and orders its scan.
+// Decides for each complete row whether it holds the best score of its job so far, and issues the order to scan it.
 //
-// Row r, with maximum M at x, is the best so far when M is greater than the maximum of rows 0..r-1. The runner-up then is the
-// greater of rows 0..r-2 (known here) and of what the scan of rows r-1..r+1 finds outside the neighbourhood; for
-// rows two or more below the best it is the greater of itself and M.
+// Row r, with maximum M at x, is the best so far if M is greater than the maximum of rows 0..r-1. The runner-up then is
+// the greater of the maximum of rows 0..r-2 (known here) and of the best score outside the neighbourhood that the scan
+// of rows r-1..r+1 finds; at a row two or more below the best it becomes the greater of itself and M.
 //
-// A row is complete for this purpose when the row below it has come in too, or there is none.
-// Handshake  : order_valid_o is one clock long, and comes only after a clock with order_room_i.
+// A row is complete for this purpose when the row below it has arrived too, or if there is none.
+// Handshake  : order_valid_o is high for one clock, and only after a clock with order_room_i.
 // Latency    : a row that is complete from clock t on (top_coming_i counted) is taken in clock t+1 at the earliest,
-//              order_valid_o two clocks after that: load, compare.
+//              order_valid_o follows two clocks after that: load, compare.
 // Throughput : a row in two clocks.
-// Stalls     : a job's last row waits for room for its result, room_i in the clock before the order.
-// Ties       : a row must beat the best, so the first row wins; within a row the first column came first.
+// Stalls     : a job's last row waits for room for its result: room_i in the clock before the order.
+// Ties       : a row must exceed the best, so the first row wins; slog_running_max takes the first column of a row.
 `include "slog_assert.svh"
 module slog_peak_best
   import slog_pkg::*;
   import slog_peak_pkg::*;
   import slog_compare_pkg::*;
 #(
-    parameter  int unsigned RowDepth = 4,                // rows in waiting, at most
+    parameter  int unsigned RowDepth = 4,                // maximum number of waiting rows
     localparam int unsigned LevelW   = $clog2(RowDepth + 1)
 ) (
     input  logic              clk_i,
     input  logic              rst_i,
-    // Rows begun, in order, and the maxima of those complete, in order.
+    // Rows begun, and the maxima of those that are complete, both in order.
     input  logic              row_valid_i,
     output logic              row_ready_o,
     input  row_t              row_i,
     input  logic [LevelW-1:0] top_level_i,
-    input  logic              top_coming_i,   // top_level_i counts one more from the next clock on
+    input  logic              top_coming_i,   // top_level_i increases by one in the next clock
     output logic              top_ready_o,
     input  logic [ScoreW-1:0] top_score_i,
     input  logic [9:0]        top_x_i,
-    // Room for one more result; for an order in the next clock.
+    // Room for one more result; room for an order in the next clock.
     input  logic              room_i,
     input  logic              order_room_i,
-    // Order for the scan, and what goes with it.
+    // Order for the scan, and the outcome known so far.
     output logic              order_valid_o,
-    output logic              outcome_valid_o,  // in the same clock
+    output logic              outcome_valid_o,  // copy of order_valid_o
     output scan_t             order_o,
     output outcome_t          outcome_o,
-    output logic [1:0]        released_o    // row banks no later scan reads
+    output logic [1:0]        released_o    // number of row banks that no later scan reads
 );
   // The row being decided.
-  logic held_q, open_q;  // there is one, and it stays in the next clock; !held_q, which enables all of its data
-  logic hand_q, stay_q;  // it leaves in this clock; !hand_q
-  logic fresh_q, stale_q;  // it holds the best so far; !fresh_q, which chooses the outcome's data
+  logic held_q, open_q;  // a row is held and stays in the next clock; !held_q, a copy that enables the row's data
+  logic hand_q, stay_q;  // the row leaves in this clock; !hand_q
+  logic fresh_q, stale_q;  // the row holds the best so far; !fresh_q, a copy that selects the outcome's data
   logic refused_q, only_q, brief_q;  // only_q: one column, or refused; brief_q: two, or only_q
   logic [1:0] released_q;
   row_t row_q;
@@ -58,7 +58,7 @@ module slog_peak_best
   maybe_t before_q;  // best of rows 0..r-2; 0 between jobs
   logic far_q;       // the best is two rows above this one, or more
   // The row that waits.
-  logic complete_q, top_used_q;  // not of the row after one taken in the clock before: held_q is set then
+  logic complete_q, top_used_q;  // not valid in the clock after a row is taken: held_q is set then
   logic refused_next_q, only_next_q, brief_next_q;
   logic load, hand, refused, some, many, complete;
 
@@ -138,4 +138,8 @@ module slog_peak_best
   end
 
   `SLOG_ASSERT(SlogPeakBestRow, !load || (row_valid_i && refused == refused_next_q))
+  `SLOG_ASSERT(SlogPeakBestCopies, open_q == !held_q && stay_q == !hand_q && stale_q == !fresh_q)
+  `SLOG_ASSERT_STABLE(SlogPeakBestRowStable, row_valid_i, row_ready_o, row_i)
+  `SLOG_ASSERT(SlogPeakBestOrder, !order_valid_o || ($past(order_room_i) && ($past(room_i) || !order_o.last)))
+  `SLOG_ASSERT(SlogPeakBestOrdersApart, order_valid_o |=> !order_valid_o)
 endmodule : slog_peak_best

@@ -1,11 +1,11 @@
-// Gathers a job's neighbours and runner-up as its scans go by.
+// Collects a job's neighbours and runner-up from its scans.
 //
 // runner-up after a row = max(other, fresh ? far : runner-up before), with the row's outcome_t.
 //
-// Neighbours leave one clock after the job's last column; the verdict three clocks after the last far_valid_i:
+// Neighbours are output one clock after the job's last column; the verdict three clocks after the last far_valid_i:
 //   0  far_valid_i      1  compare      2  select      3  verdict_valid_o
-// Throughput : a row in two clocks, columns one per clock. Never stalls: its user keeps room for both outputs.
-// Formats    : absent scores leave as NoScore.
+// Throughput : a row in two clocks, columns one per clock. Never stalls: slog_peak reserves room for both outputs.
+// Formats    : absent scores are output as NoScore.
 `include "slog_assert.svh"
 module slog_peak_collect
   import slog_pkg::*;
@@ -23,7 +23,7 @@ module slog_peak_collect
     input  maybe_t                 near_above_i,
     input  maybe_t                 near_middle_i,
     input  maybe_t                 near_below_i,
-    // Rows: outcome_i is the row's that far_valid_i ends.
+    // Rows: outcome_i belongs to the row that far_valid_i completes.
     input  logic                   far_valid_i,
     input  maybe_t                 far_i,
     input  outcome_t               outcome_i,
@@ -35,7 +35,7 @@ module slog_peak_collect
   maybe_t around_q[8];
   logic around_end_q;
 
-  // A place is absent from the first column on until its column goes by.
+  // The first column of a scan marks every neighbour as absent; the neighbour's own column then sets it.
   always_ff @(posedge clk_i) begin
     if (near_west_i || near_first_i) begin
       around_q[0] <= near_west_i ? near_above_i : '0;

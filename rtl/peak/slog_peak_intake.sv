@@ -1,14 +1,15 @@
-// Takes scores row by row: mismatches to scores, each row into the next of the row banks, surface scores out.
+// Takes mismatches row by row and turns them into scores: each row is written to the next row bank; scores of jobs with
+// surface are marked for the surface stream.
 //
-//   0  mismatch_valid_i, mismatch_ready_o: last of its row?      1  mismatch registered, its place known      2  score: outputs
-// Handshake  : row_coming_i says that a row is there to be taken in the next clock; row_taken_o takes it. What
-//              describes the row stays for one clock more.
+//   0  mismatch_valid_i, mismatch_ready_o, end of row    1  mismatch, column and bank registered    2  score: outputs
+// Handshake  : row_coming_i: a row can be taken in the next clock; row_taken_o takes it. The inputs that describe the
+//              row are stable for one clock more.
 // Latency    : score_* and surf_valid_o two clocks after the mismatch is taken; score = area - mismatch.
 // Throughput : one score per clock, also from row to row and job to job; at most one row in two clocks.
-// Stalls     : a row begins when a bank is free (banks are reused in turn; released_i banks return). A bank is
-//              released when the last scan that reads it starts: scans never pause and scores come at most one per
-//              clock, so a new row follows the scan and never overtakes it. Surface scores wait for surf_ok_i of the
-//              clock before, which must leave room for four more.
+// Stalls     : a row begins when a bank is free (banks are used in turn; released_i banks become free). A bank is
+//              released when the last scan that reads it starts: scans never pause and at most one score arrives per
+//              clock, so a new row follows the scan and never overtakes it. A surface score is taken only if surf_ok_i
+//              was high in the clock before; surf_ok_i must leave room for four more scores.
 `include "slog_assert.svh"
 module slog_peak_intake
   import slog_pkg::*;
@@ -19,7 +20,7 @@ module slog_peak_intake
 ) (
     input  logic                 clk_i,
     input  logic                 rst_i,
-    // Rows to come.
+    // The next row.
     input  logic                 row_coming_i,
     output logic                 row_taken_o,
     input  logic                 row_refused_i,
@@ -27,12 +28,12 @@ module slog_peak_intake
     input  logic                 row_first_i,    // of its job
     input  logic                 row_last_i,
     input  scoring_t             scoring_i,
-    input  logic [1:0]           released_i,    // banks that return in this clock
+    input  logic [1:0]           released_i,    // number of banks that become free in this clock
     // Scores.
     input  logic                 mismatch_valid_i,
     output logic                 mismatch_ready_o,
     input  logic [ScoreBits-1:0] mismatch_i,
-    // Scores with their place.
+    // Scores with their column and bank.
     output logic                 score_valid_o,
     output logic                 score_first_o,  // of its row
     output logic                 score_last_o,
@@ -47,20 +48,20 @@ module slog_peak_intake
 );
   localparam int unsigned UsedW = $clog2(Banks + 1);
 
-  // The row that is coming in, as far as stage 0 needs it.
-  // Each flag is there twice, the second its opposite, so that no logic behind mismatch_valid_i is shared by too many.
-  logic idle_q, run_q;      // none; one
-  logic go_q, halt_q;       // takes a score; does not
-  logic end_q, near_q;      // the next score is the row's last, last but one
+  // The present row, as far as stage 0 needs it. Flags have inverted copies, to limit the fan-out of the logic behind
+  // mismatch_valid_i.
+  logic idle_q, run_q;      // no row is present; a row is present
+  logic go_q, halt_q;       // a score is taken if it is valid; !go_q
+  logic end_q, near_q;      // the next score is the row's last; the last but one
   logic more_q;             // !end_q
   logic surface_q;
   logic ending_q, going_q;  // go_q && end_q; !ending_q
   logic [9:0] left_q;       // scores after the next one
   logic pop, fill, take, move, next, row_go, run_go, row_ends, ending;
   // Banks.
-  logic [UsedW-1:0] used_q;  // as of the clock before, what came back since counted
+  logic [UsedW-1:0] used_q;  // banks in use, without the row taken in the clock before (take_q)
   logic take_q;
-  logic open_q;  // a bank is free and a row is there
+  logic open_q;  // a bank is free and a row is waiting
 
   assign mismatch_ready_o = go_q;
   assign pop              = mismatch_valid_i && go_q;
@@ -69,12 +70,12 @@ module slog_peak_intake
   assign move             = !run_q || (mismatch_valid_i && !halt_q);
   assign row_taken_o      = take;
   assign next             = !run_q || !more_q;
-  // The row that waits, the one that runs, would take a score in the next clock.
+  // The waiting row (row_go), the present row (run_go) would take a score in the next clock.
   assign row_go           = !row_refused_i && (surf_ok_i || !scoring_i.surface);
   assign row_ends         = open_q && row_go && scoring_i.one;
   assign run_go           = surf_ok_i || !surface_q;
 
-  // Whether there is a score decides last.
+  // mismatch_valid_i is late, so it selects in the last level of logic.
   always_comb begin
     if (mismatch_valid_i) ending = (idle_q || ending_q) ? row_ends : run_go && (end_q || (go_q && near_q));
     else ending = idle_q ? row_ends : run_go && end_q;
@@ -91,7 +92,7 @@ module slog_peak_intake
       open_q   <= 1'b0;
       used_q   <= '0;
     end else begin
-      // With fill, a row is taken if one may be (open_q).
+      // With fill, the waiting row is taken if open_q is set.
       idle_q   <= fill && !(open_q && !row_refused_i);
       run_q    <= !fill || (open_q && !row_refused_i);
       go_q     <= fill ? open_q && row_go : run_go;
@@ -103,7 +104,7 @@ module slog_peak_intake
     end
   end
 
-  // Whatever stands at the input is loaded when a row may be taken; while idle again and again, until one is.
+  // The row inputs are loaded, valid or not, when a row may be taken; while idle in every clock.
   always_ff @(posedge clk_i) begin
     if (move) begin
       end_q  <= next ? scoring_i.one : near_q;
@@ -114,7 +115,8 @@ module slog_peak_intake
     end
   end
 
-  // Stage 1: the row follows a clock behind, its first score at the earliest two.
+  // Stage 1: the row's data are loaded one clock after row_taken_o, and its first score is in stage 1 two clocks after
+  // row_taken_o at the earliest.
   logic s1_valid_q, s1_last_q, begin_q, first_row_q, last_row_q, surface_row_q;
   logic [ScoreBits-1:0] s1_mismatch_q;
   logic [9:0] x_q;
@@ -185,4 +187,8 @@ module slog_peak_intake
   `SLOG_ASSERT(SlogPeakIntakeEnd, idle_q || (end_q == (left_q == '0) && more_q == !end_q
                                              && near_q == (left_q == 10'd1)))
   `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= area_q)
+  `SLOG_ASSERT_INIT(SlogPeakIntakeSizes, ScoreBits <= ScoreW && Banks >= 2)
+  `SLOG_ASSERT(SlogPeakIntakeRowStays, !take_q || $stable({row_first_i, row_last_i, scoring_i}))
+  `SLOG_ASSERT(SlogPeakIntakeRowsApart, row_taken_o |=> !row_taken_o)
+  `SLOG_ASSERT(SlogPeakIntakeBank, score_valid_o ? $onehot(bank_o) : bank_o == '0)
 endmodule : slog_peak_intake

@@ -2,10 +2,10 @@
 package slog_peak_pkg;
   import slog_pkg::*;
 
-  // A score that may be absent: {present, score}. Absent is 0 and so loses every comparison.
+  // A score that may be absent: {present, score}. An absent score is 0, below every present one.
   typedef logic [ScoreW:0] maybe_t;
 
-  // A score as results carry it.
+  // The score as it is coded in results: NoScore if absent.
   function automatic logic [ScoreW-1:0] or_no_score(maybe_t value);
     return value[ScoreW] ? value[ScoreW-1:0] : NoScore;
   endfunction
@@ -20,28 +20,29 @@ package slog_peak_pkg;
     logic        last;
   } row_t;
 
-  // What is needed while the scores of a row come in.
+  // Data needed while the scores of a row arrive.
   typedef struct packed {
     logic              surface;
     logic              one;      // one offset across
-    logic              two;
+    logic              two;      // two offsets across
     logic [ScoreW-1:0] area;
   } scoring_t;
 
-  // Scan of a row with the rows above and below it, for a row that holds the best so far; other rows take one clock.
+  // Order to scan a row together with the rows above and below it. Only a row that holds the best so far is read; any
+  // other row is scanned as one absent column.
   typedef struct packed {
     logic       fresh;   // the row holds the best so far
     logic       last;    // of its job
-    logic       above;   // which of the three rows there are: read if fresh
+    logic       above;   // which of the three rows exist; these are read if fresh is set
     logic       middle;
     logic       below;
-    logic       only;    // one column, whatever last_x says
+    logic       only;    // one column, whatever the value of last_x
     logic       brief;   // one or two columns
     logic [9:0] last_x;
     logic [9:0] best_x;
   } scan_t;
 
-  // What is known of a row's outcome before its scan.
+  // The part of a row's outcome that is known before its scan.
   typedef struct packed {
     logic        fresh;
     logic        last;

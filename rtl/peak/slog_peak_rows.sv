@@ -1,7 +1,7 @@
-// Unrolls a job's context into its rows of offsets. A refused job gives one row.
+// Unrolls a job's context into its rows of offsets. A refused job has one row.
 //
-// Handshake  : row_coming_o says that a row is there to be taken in the next clock, unless one is taken in this one.
-//              row_taken_i takes it; row_o, refused_o and scoring_o stay for one clock more.
+// Handshake  : row_coming_o: a row can be taken in the next clock, unless one is taken in this clock. row_taken_i takes
+//              it; row_o, refused_o and scoring_o are stable for one clock more.
 // Latency    : a context taken in clock t may have its first row taken in clock t+1.
 // Throughput : one row in two clocks, jobs back to back.
 `include "slog_assert.svh"
@@ -20,8 +20,8 @@ module slog_peak_rows
     output logic     refused_o,    // row_o.status is not StatusOk
     output scoring_t scoring_o
 );
-  logic load_q, step_q;  // nothing more to offer; a row was taken and the job has more
-  logic some_q, load;    // !load_q: apart from it, because that enables all of the data
+  logic load_q, step_q;  // no row is held: the context is loaded; a row was taken and the job has more
+  logic some_q, load;    // some_q: !load_q, a copy, because load_q enables all of the data
   row_t row_q;
   scoring_t scoring_q;
   logic refused_q;
@@ -68,4 +68,6 @@ module slog_peak_rows
 
   `SLOG_ASSERT(SlogPeakRowsRefused, load_q || refused_q == (row_q.status != StatusOk))
   `SLOG_ASSERT(SlogPeakRowsThere, !row_taken_i || !(load_q || step_q))
+  `SLOG_ASSERT(SlogPeakRowsCopies, some_q == !load_q)
+  `SLOG_ASSERT(SlogPeakRowsStay, row_taken_i |=> $stable({row_o, refused_o, scoring_o}))
 endmodule : slog_peak_rows

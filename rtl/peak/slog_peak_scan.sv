@@ -1,12 +1,13 @@
-// Scans a row together with the rows above and below it: the columns next to the best, and the best of all others.
+// Scans a row together with the rows above and below it: outputs the columns next to the best, and the best of all
+// other scores.
 //
-//   0  address to the banks     2  bank data     3  rows in order, columns named: near_*
+//   0  address to the banks     2  bank data     3  rows in order, columns marked: near_*
 //   4  above against below      5  greater       6  against middle       7  greater, 0 near the best     10 far_valid_o
-// Handshake  : order_room_o says that an order may come in the next clock, unless one comes in this one.
-// Latency    : column 0 is read one clock after the order comes, an only column again in the clock after; near_* three
-//              clocks after a column's read; far_* ten clocks after the last column's read.
-// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, one of an only column two (so
-//              that far_* come at most in every other clock), and never pauses.
+// Handshake  : order_room_o: an order may be issued in the next clock, unless one is issued in this clock.
+// Latency    : column 0 is read one clock after the order, and once more in the next clock if it is the only column;
+//              near_* three clocks after a column's read; far_* ten clocks after the last column's read.
+// Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, an order of one column two
+//              (so that far_valid_o is high in every other clock at most), and never pauses.
 // Formats    : scores as maybe_t; far_o is 0 where nothing is outside the neighbourhood.
 `include "slog_assert.svh"
 module slog_peak_scan
@@ -26,9 +27,9 @@ module slog_peak_scan
     output logic [9:0]                   read_x_o,
     input  logic [Banks-1:0][ScoreW-1:0] data_i,
     // A column of a row that holds the best so far.
-    output logic                         near_first_o,   // of the scan
-    output logic                         near_end_o,     // of the job; also after a row that does not hold the best
-    output logic                         near_west_o,    // the column left of the best, at it, right of it
+    output logic                         near_first_o,   // first column of the scan
+    output logic                         near_end_o,     // last column of the job, even if its row is not the best
+    output logic                         near_west_o,    // west, centre, east: column left of, at, right of the best
     output logic                         near_centre_o,
     output logic                         near_east_o,
     output maybe_t                       near_above_o,
@@ -38,7 +39,7 @@ module slog_peak_scan
     output logic                         far_valid_o,
     output maybe_t                       far_o
 );
-  // A column on its way from the read to the row registers.
+  // Marks of a column, delayed from its read to the row registers.
   typedef struct packed {
     logic first;
     logic last;
@@ -51,7 +52,7 @@ module slog_peak_scan
 
   // Stage 0.
   logic first_q, last_q;
-  logic open_q;     // no order, or this is its last clock: what stands at the input is loaded, order or not
+  logic open_q;     // no order is active, or this is its last clock: order_i is loaded, valid or not
   logic reading_q;  // x_q is a column of the order; low in the clock before an only column
   logic room_q;     // no more than one clock of the order is left after this one
   logic [9:0] x_q, left_q;
@@ -109,12 +110,12 @@ module slog_peak_scan
     end
   end
 
-  // Stages 1 to 7: valid bits, then data that move only with them.
+  // Stages 1 to 7: valid bits, and data enabled by them.
   logic [7:1] valid_q;
   column_t s1_q, s2_q;
   logic s1_above_q, s1_middle_q, s1_below_q;
-  logic [Banks-1:0] s1_bank_q;                              // the scanned row's, one-hot
-  logic [Banks-1:0] s2_above_q, s2_middle_q, s2_below_q;    // one-hot, or none
+  logic [Banks-1:0] s1_bank_q;                              // bank of the scanned row, one-hot
+  logic [Banks-1:0] s2_above_q, s2_middle_q, s2_below_q;    // banks of the rows, one-hot; 0 if the row is absent
   always_ff @(posedge clk_i) begin
     if (rst_i) valid_q <= '0;
     else valid_q <= {valid_q[6:1], reading_q};
@@ -137,7 +138,7 @@ module slog_peak_scan
     end
   end
 
-  // The data of one bank; absent if it is none.
+  // The data of one bank; absent if bank is 0.
   function automatic maybe_t pick(logic [Banks-1:0][ScoreW-1:0] data, logic [Banks-1:0] bank);
     logic [ScoreW-1:0] value = '0;
     for (int b = 0; b < Banks; b++) value |= data[b] & {ScoreW{bank[b]}};
@@ -145,7 +146,7 @@ module slog_peak_scan
   endfunction
 
   logic s3_first_q, s3_last_q, s3_beside_q;
-  // With the valid bit; all but s3_end_q only for a row that holds the best so far.
+  // Gated with the valid bit; all but s3_end_q are set only for a row that holds the best so far.
   logic s3_end_q, s3_near_first_q, s3_west_q, s3_centre_q, s3_east_q;
   maybe_t s3_above_q, s3_middle_q, s3_below_q;
   logic s4_first_q, s4_last_q, s4_near_q;
@@ -228,4 +229,8 @@ module slog_peak_scan
 
   `SLOG_ASSERT(SlogPeakScanRoom, !order_valid_i || open_q)
   `SLOG_ASSERT(SlogPeakScanBank, $onehot(bank_q))
+  `SLOG_ASSERT(SlogPeakScanOrder, !order_valid_i || ($past(order_room_o) && !$past(order_valid_i)))
+  `SLOG_ASSERT(SlogPeakScanBest, !order_valid_i || !order_i.fresh || order_i.best_x <= order_i.last_x)
+  `SLOG_ASSERT(SlogPeakScanColumn, $onehot0({near_west_o, near_centre_o, near_east_o}))
+  `SLOG_ASSERT(SlogPeakScanFarApart, far_valid_o |=> !far_valid_o)
 endmodule : slog_peak_scan

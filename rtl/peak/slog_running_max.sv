@@ -1,11 +1,11 @@
-// Largest value of each row of a stream, and its index; of equal values the one with the smaller index.
+// Finds the largest value of each row of a stream, and its index; of equal values, the one with the smallest index.
 //
-// Odd and even samples have a running maximum each, so that a compare may take a clock of its own before the update:
+// Odd and even samples have separate running maxima, so that the comparison can take a full clock before the update:
 //   A  inputs: compare with the maximum of the same parity      B  update
 //   C  compare the two maxima                                   D  output
 // Latency    : out_valid_o three clocks after in_valid_i with in_last_i.
-// Throughput : one sample per clock, rows back to back, gaps allowed. Rows of one sample have first and last at once.
-// Formats    : values and indices unsigned; indices rise within a row.
+// Throughput : one sample per clock, rows back to back, gaps allowed. A row of one sample has first and last together.
+// Formats    : values and indices unsigned; indices never fall within a row.
 `include "slog_assert.svh"
 module slog_running_max
   import slog_compare_pkg::*;
@@ -25,7 +25,7 @@ module slog_running_max
     output logic [IndexW-1:0] out_index_o
 );
   logic odd, odd_q, second_q;          // parity of this sample; of the next one; the next one is the second of its row
-  logic [1:0] load_q, try_q, take;     // B: the sample of this parity is the maximum, or is if it is greater
+  logic [1:0] load_q, try_q, take;     // B, per parity: load the sample; load it if it is greater; either holds
   logic [1:0] above_q;                 // B: the sample is greater than the maximum of this parity
   logic [ValueW-1:0] b_value_q, max_q[2], d_value_q[2];
   logic [IndexW-1:0] b_index_q, index_q[2], d_index_q[2];
@@ -46,7 +46,7 @@ module slog_running_max
       c_last_q <= 1'b0;
       d_last_q <= 1'b0;
     end else begin
-      // The first sample of each parity has nothing to beat.
+      // The first sample of each parity is loaded without comparison.
       load_q   <= {in_valid_i && second_q && !in_first_i, in_valid_i && in_first_i};
       try_q    <= {in_valid_i && odd, in_valid_i && !odd};
       b_last_q <= in_valid_i && in_last_i;
@@ -75,7 +75,7 @@ module slog_running_max
       d_value_q <= max_q;
       d_index_q <= index_q;
       d_pair_q  <= !c_single_q;
-      // Of equal values the smaller index: the other's stands behind each.
+      // Of equal values the smaller index wins: each value has the other one's index as its low bits.
       d_odd_q   <= is_above(32'({max_q[1], index_q[0]}), 32'({max_q[0], index_q[1]}));
     end
   end
@@ -84,4 +84,6 @@ module slog_running_max
   assign out_valid_o = d_last_q;
   assign out_value_o = odd_wins ? d_value_q[1] : d_value_q[0];
   assign out_index_o = odd_wins ? d_index_q[1] : d_index_q[0];
+
+  `SLOG_ASSERT(SlogRunningMaxIndices, !in_valid_i || in_first_i || in_index_i >= b_index_q)
 endmodule : slog_running_max

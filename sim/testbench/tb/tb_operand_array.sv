@@ -1,4 +1,4 @@
-// slog_operands feeding slog_array: what fetch and sequencer see of them, and the scores.
+// slog_operands feeding slog_array: the ports towards fetch and sequencer, the operands in between, and the scores.
 module tb_operand_array #(
     parameter  int unsigned GroupBits   = 8,
     parameter  int unsigned RingRows    = 32,

@@ -1,4 +1,4 @@
-// slog_sequencer with step_o.valid as a port of its own: the other fields mean nothing before the first step.
+// slog_sequencer with step_o.valid as a separate port: the other fields are undefined before the first step.
 module tb_sequencer #(
     parameter  int unsigned GroupBits   = 8,
     parameter  int unsigned Pitch       = 4,

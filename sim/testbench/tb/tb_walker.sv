@@ -1,4 +1,4 @@
-// slog_walker with step_o.valid as a port of its own: the other fields mean nothing before the first step.
+// slog_walker with step_o.valid as a separate port: the other fields are undefined before the first step.
 module tb_walker #(
     parameter  int unsigned Pitch       = 4,
     parameter  int unsigned RingRows    = 32,
