@@ -24,14 +24,14 @@ ONE = 1 << COEF_FRACTION
 """Sum of `g`, and the most the positive taps of `g2` sum to."""
 ROUND_BITS = 7
 """Fraction bits dropped, rounding half up, between the passes."""
-SIGMA_MIN = 0.6
+NARROWEST_SIGMA = 0.6
 """Narrowest Gaussian that is still sampled well enough to be one, in pixels."""
 
 Image = npt.NDArray[np.uint8]
 Coefs = tuple[int, ...]
 
 
-def sigma_max(radius: int) -> float:
+def widest_sigma(radius: int) -> float:
     """Widest Gaussian a kernel of `radius` holds: it reaches two sigmas out."""
     return radius / 2
 
@@ -41,7 +41,7 @@ def kernels(sigma: float, radius: int = FULL.radius) -> tuple[Coefs, Coefs]:
     """Coefficients of the smoothing kernel and of its second derivative.
 
     Args:
-        sigma: standard deviation of the Gaussian in pixels, `SIGMA_MIN` to `sigma_max(radius)`.
+        sigma: standard deviation of the Gaussian in pixels, `NARROWEST_SIGMA` to `widest_sigma(radius)`.
         radius: distance of the outermost taps in pixels, at least 1.
 
     Returns:
@@ -51,8 +51,8 @@ def kernels(sigma: float, radius: int = FULL.radius) -> tuple[Coefs, Coefs]:
     Raises:
         ValueError: for a sigma the kernel cannot hold.
     """
-    if radius < 1 or not SIGMA_MIN <= sigma <= sigma_max(radius):
-        raise ValueError(f"sigma {sigma} is outside {SIGMA_MIN}..{sigma_max(radius)} for radius {radius}")
+    if radius < 1 or not NARROWEST_SIGMA <= sigma <= widest_sigma(radius):
+        raise ValueError(f"sigma {sigma} is outside {NARROWEST_SIGMA}..{widest_sigma(radius)} for radius {radius}")
     x = np.arange(radius + 1, dtype=np.float64)
     gauss = np.exp(-0.5 * (x / sigma) ** 2)
     gauss /= _full_sum(gauss)

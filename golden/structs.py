@@ -47,7 +47,7 @@ RESULT = Layout(("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10), ("sc
                 *((f"neighbour{k}", 15) for k in range(7, -1, -1)), ("runner_up", 15))
 LOAD = Layout(("addr", 16), ("shift", 6), ("words_in", 4), ("words_out", 4), ("rows", 10))
 TICKET = Layout(("job", JOB.bits), ("status", 3), ("bank", 1), ("row", 9), ("area", 15))
-ROW = Layout(("final_row", 1), ("bank", 1), ("wide", 1), ("odd", 1), ("steps", 8), ("ring_row", 8), ("passes", 6),
+STEP_ROW = Layout(("final_row", 1), ("bank", 1), ("wide", 1), ("odd", 1), ("steps", 8), ("ring_row", 8), ("passes", 6),
              ("last_lanes", 6), ("gap_row", 7), ("gap_pass", 7), ("free_to", 9))
 
 

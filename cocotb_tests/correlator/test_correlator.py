@@ -10,14 +10,14 @@ from cocotb_tests.env.params import params
 from golden.correlate import Job
 from golden.cycle.correlator.correlator import CorrelatorModel
 from golden.params import TINY
-from golden.traffic.correlator import CorrelatorTraffic, planes_of
+from golden.traffic.correlator import CorrelatorTraffic, random_planes
 from golden.traffic.jobs import mixed
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
 def tiny_work(rng: random.Random, count: int, repeats: int = 1, **ends) -> CorrelatorTraffic:
-    planes = planes_of(TINY, (0, 2, 3, 5), rng.getrandbits(16), repeats)
+    planes = random_planes(TINY, (0, 2, 3, 5), rng.getrandbits(16), repeats)
     jobs = mixed(rng, TINY, (TINY.max_width, TINY.max_height), [s in planes for s in range(8)], count, most_offsets=150)
     return CorrelatorTraffic(TINY, planes, jobs, **ends)
 
@@ -53,7 +53,7 @@ async def reset_in_mid_job(dut, reset_at: int) -> None:
 async def utilisation(dut) -> None:
     """A queue of equal searches whose offsets outnumber the steps of a pass: 95 % of all clocks, the first load
     included, yield a score."""
-    planes = planes_of(TINY, (0, 1), 22)
+    planes = random_planes(TINY, (0, 1), 22)
     n = 4 * TINY.pitch + 1
     job = Job(0, 3, 1, 8, 8, 1, 5, 2, n, n)
     work = CorrelatorTraffic(TINY, planes, [replace(job, tag=k, tpl_x=3 + k, search_x=5 + k) for k in range(10)])

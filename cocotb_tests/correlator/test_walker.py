@@ -10,14 +10,14 @@ from golden.cycle.array.timing import drain_clocks
 from golden.cycle.correlator.walker import WalkerModel, counts
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
-from golden.structs import ROW, STEP
+from golden.structs import STEP, STEP_ROW
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
 def random_row(rng: random.Random, pitch: int, ring: int) -> int:
     steps = rng.choice((1, 1, 2, 3, rng.randint(1, 16)))
-    return ROW.pack({
+    return STEP_ROW.pack({
         "final_row": rng.getrandbits(1), "bank": rng.getrandbits(1), "wide": rng.getrandbits(1),
         "odd": rng.getrandbits(1), "ring_row": rng.randrange(ring), "last_lanes": rng.randint(1, pitch + 1),
         "free_to": rng.randrange(2 * ring),
@@ -33,7 +33,7 @@ def rows(rng: random.Random, source: str, pitch: int, ring: int, count: int, res
             row = random_row(rng, pitch, ring)
         reset = int(clock == reset_at)
         out = yield {"rst_i": reset, "row_valid_i": int(row is not None),
-                     "row_i": rng.getrandbits(ROW.bits) if row is None else row}
+                     "row_i": rng.getrandbits(STEP_ROW.bits) if row is None else row}
         clock += 1
         if row is not None and out["row_ready_o"] and not reset:
             row = None

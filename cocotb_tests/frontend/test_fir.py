@@ -7,7 +7,7 @@ import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.frontend.fir import FirModel, levels
+from golden.cycle.frontend.fir import FirModel, adder_levels
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
@@ -15,7 +15,7 @@ from sim.testbench.runner import simulate
 
 def windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
-    radius, latency = p["Radius"], 6 + levels(p["Radius"])
+    radius, latency = p["Radius"], 6 + adder_levels(p["Radius"])
     bits = p["DataW"] * (2 * radius + 1)
     offer = willing(shape, rng)
     for run in range(12):

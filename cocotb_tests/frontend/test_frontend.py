@@ -8,13 +8,13 @@ import numpy as np
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.bits import pack
-from golden.cycle.frontend.fir import levels
+from golden.cycle.frontend.fir import adder_levels
 from golden.cycle.frontend.frontend import FrontendModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import binarise, kernels
 from golden.params import TINY
 from golden.traffic.stalls import SHAPES, willing
-from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
+from golden.traffic.video import BAD_KINDS, Item, VideoRecord, bad, good, play, stray, texture
 from sim.testbench.runner import simulate
 
 
@@ -34,7 +34,7 @@ def video(rng: random.Random, items: list[Item], common: Inputs, source: str, ga
     yield from play(items, common, willing(source, rng), rng, gap=gap)
 
 
-def compare(seen: Seen, items: list[Item], sigma: float) -> None:
+def compare(seen: VideoRecord, items: list[Item], sigma: float) -> None:
     g, g2 = kernels(sigma, params()["Radius"])
     wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]
     assert len(seen.planes) == len(wanted) == seen.accepted > 0
@@ -52,7 +52,7 @@ async def sizes(dut, size: tuple[int, int]) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
     sigma = rng.choice((1.0, 3.3))
     items = [good(texture(rng, *size)) for _ in range(3)]
-    seen = Seen(p["GroupBits"], size[0])
+    seen = VideoRecord(p["GroupBits"], size[0])
     sent: list[int] = []
 
     def watch(i: Inputs, out: Outputs) -> None:
@@ -63,7 +63,7 @@ async def sizes(dut, size: tuple[int, int]) -> None:
     await check_cycles(dut, model(), video(rng, items, settings(*size, sigma), "none"), watch)
     compare(seen, items, sigma)
     assert seen.stalled == 0
-    latency = 34 + p["Radius"] + 2 * levels(p["Radius"]) + p["GroupBits"]
+    latency = 34 + p["Radius"] + 2 * adder_levels(p["Radius"]) + p["GroupBits"]
     rows = [sent[frame * size[1] + p["Radius"]] for frame in range(3)]
     assert [b - a for a, b in zip(rows, seen.first_word, strict=True)] == [latency] * 3
 
@@ -79,7 +79,7 @@ async def bad_frames(dut, source: str) -> None:
     for kind in rng.sample(BAD_KINDS, len(BAD_KINDS)):
         items += [good(texture(rng, width, height)), bad(kind, texture(rng, width, height), rng)]
     items += [good(texture(rng, width, height)), stray(rng, 40), good(texture(rng, width, height))]
-    seen = Seen(params()["GroupBits"], width)
+    seen = VideoRecord(params()["GroupBits"], width)
     await check_cycles(dut, model(), video(rng, items, settings(width, height, sigma), source, gap), seen.observe)
     compare(seen, items, sigma)
 
@@ -91,7 +91,7 @@ async def settings_change_in_hold(dut) -> None:
     width = 20
     runs = [(width, 18, 1.0), (width, 30, 2.0), (width, 18, 4.0)]
     items = [[good(texture(rng, w, h)) for _ in range(2)] for w, h, _ in runs]
-    seen = Seen(params()["GroupBits"], width)
+    seen = VideoRecord(params()["GroupBits"], width)
 
     def stimulus() -> Stimulus:
         for batch, now, following in zip(items, runs, [*runs[1:], runs[-1]], strict=True):
@@ -116,7 +116,7 @@ async def reset_in_mid_frame(dut) -> None:
     width, height, sigma = 18, 19, 2.0
     common = settings(width, height, sigma)
     last = [good(texture(rng, width, height)) for _ in range(2)]
-    seen = Seen(params()["GroupBits"], width)
+    seen = VideoRecord(params()["GroupBits"], width)
 
     def stimulus() -> Stimulus:
         yield common

@@ -10,14 +10,14 @@ from cocotb_tests.env.params import params
 from golden.correlate import Status
 from golden.cycle.cells.stage import StageModel
 from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus
-from golden.cycle.peak.best import BestModel
-from golden.cycle.peak.collect import CollectModel
-from golden.cycle.peak.intake import IntakeModel
-from golden.cycle.peak.room import RoomModel
-from golden.cycle.peak.rows import RowsModel
+from golden.cycle.peak.peak_best import PeakBestModel
+from golden.cycle.peak.peak_collect import PeakCollectModel
+from golden.cycle.peak.peak_intake import PeakIntakeModel
+from golden.cycle.peak.peak_room import PeakRoomModel
+from golden.cycle.peak.peak_rows import PeakRowsModel
+from golden.cycle.peak.peak_scan import PeakScanModel
 from golden.cycle.peak.running_max import RunningMaxModel
-from golden.cycle.peak.scan import ScanModel
-from golden.cycle.peak.structs import OUTCOME, PRESENT, ROW, SCAN, SCORING
+from golden.cycle.peak.structs import OUTCOME, PRESENT, SCAN, SCORE_ROW, SCORING
 from golden.params import SCORE_BITS
 from golden.structs import CONTEXT, Layout
 from golden.traffic.stalls import SHAPES, willing
@@ -134,9 +134,9 @@ def best(rng: random.Random, shape: str) -> Stimulus:
                 y, top = 0, rng.choice((0, FEW, PRESENT - 1))
                 status = rng.choice((0, 0, 0, rng.randint(1, 4)))
                 left = 1 if status else rng.randint(1, 6)
-            waiting.append(anything(rng, ROW, status=status, first=int(y == 0), last=int(left == 1), y=y))
+            waiting.append(anything(rng, SCORE_ROW, status=status, first=int(y == 0), last=int(left == 1), y=y))
             y, left = y + 1, left - 1
-        pending = sum(ROW.unpack(w)["status"] == Status.OK for w in waiting)
+        pending = sum(SCORE_ROW.unpack(w)["status"] == Status.OK for w in waiting)
         tops += [coming] if coming else []
         coming = (rng.randint(0, top), rng.getrandbits(10)) if len(tops) < pending and rng.random() < 0.6 else None
         out = yield {"row_valid_i": int(bool(waiting)), "row_i": waiting[0] if waiting else rng.getrandbits(41),
@@ -214,10 +214,10 @@ async def every_clock(dut, shape: str) -> None:
         seen.update(n for n in COUNTED if out[n])
 
     p = params()
-    model = SideBySide(stage=StageModel(), half=StageModel(half=True), rows=RowsModel(),
-                       room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]),
-                       intake=IntakeModel(BANKS), max=RunningMaxModel(), best=BestModel(), scan=ScanModel(BANKS),
-                       collect=CollectModel())
+    model = SideBySide(stage=StageModel(), half=StageModel(half=True), rows=PeakRowsModel(),
+                       room=PeakRoomModel(p["ScoreDepth"], p["MaxOffsets"]),
+                       intake=PeakIntakeModel(BANKS), max=RunningMaxModel(), best=PeakBestModel(),
+                       scan=PeakScanModel(BANKS), collect=PeakCollectModel())
     await check_cycles(dut, model, together(rng, shape), count)
     assert all(seen[n] >= 10 for n in COUNTED), seen
 

@@ -32,7 +32,7 @@ class Wire:
 
 
 @dataclass
-class Seen:
+class Counts:
     """What the test watched happen."""
 
     captures: int = 0
@@ -98,7 +98,7 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
     p = params()
     rng = random.Random(cocotb.RANDOM_SEED)
     model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
-    seen = Seen()
+    seen = Counts()
     # Per camera: words by place in the slot.
     frames: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
     whole: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]

@@ -10,7 +10,7 @@ import pytest
 from golden.correlate import Job
 from golden.cycle.correlator.correlator import CorrelatorModel
 from golden.params import FULL, TINY
-from golden.traffic.correlator import CorrelatorTraffic, planes_of
+from golden.traffic.correlator import CorrelatorTraffic, random_planes
 from golden.traffic.jobs import mixed
 
 
@@ -27,7 +27,7 @@ def drive(model: CorrelatorModel, traffic: CorrelatorTraffic) -> None:
 @pytest.mark.parametrize("repeats", [1, 5])
 def test_against_the_frame_level(repeats: int) -> None:
     rng = random.Random(repeats)
-    planes = planes_of(TINY, (0, 2, 3, 5), 21, repeats)
+    planes = random_planes(TINY, (0, 2, 3, 5), 21, repeats)
     jobs = mixed(rng, TINY, (48, 36), [s in planes for s in range(8)], 24, most_offsets=150)
     traffic = CorrelatorTraffic(TINY, planes, jobs)
     drive(CorrelatorModel(TINY), traffic)
@@ -38,7 +38,7 @@ def test_against_the_frame_level(repeats: int) -> None:
 def test_full_size_utilisation() -> None:
     """A queue of +-32 searches with a 64x64 window: at least 90 % of all clocks, from the first job in to the last
     score, yield a score; operand loading included."""
-    planes = planes_of(FULL, (0, 1), 22)
+    planes = random_planes(FULL, (0, 1), 22)
     job = Job(0, 100, 120, 64, 64, 1, 70, 85, 65, 65)
     jobs = [replace(job, tag=k, tpl_x=100 + 37 * k, search_x=70 + 37 * k) for k in range(3)]
     traffic = CorrelatorTraffic(FULL, planes, jobs)

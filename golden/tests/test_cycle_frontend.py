@@ -13,16 +13,16 @@ from golden.cycle.model import run_model
 from golden.log import binarise, kernels
 from golden.params import TINY
 from golden.traffic.stalls import SHAPES, willing
-from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
+from golden.traffic.video import BAD_KINDS, Item, VideoRecord, bad, good, play, stray, texture
 
 R = TINY.radius
 
 
-def run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> Seen:
+def run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> VideoRecord:
     g, g2 = kernels(sigma, R)
     settings = {"width_i": width, "height_i": height, "g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
     rng = random.Random(seed)
-    seen = Seen(TINY.group_bits, width)
+    seen = VideoRecord(TINY.group_bits, width)
     model = FrontendModel(TINY.max_width, R, TINY.group_bits)
     run_model(model, play(items, settings, willing(shape, rng), rng), seen.observe)
     wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]

@@ -12,11 +12,11 @@ import pytest
 from golden.correlate import Job, Plane, Status, check
 from golden.params import FULL, TINY, Config
 from golden.structs import JOB, pack_job, unpack_job
+from golden.traffic.fetch_loop import FetchLoop
 from golden.traffic.jobs import KINDS, acceptable, mixed, refused
-from golden.traffic.loop import Front
 
 
-def planes_of(config: Config, size: tuple[int, int], slots: list[int], seed: int) -> dict[int, Plane]:
+def random_planes(config: Config, size: tuple[int, int], slots: list[int], seed: int) -> dict[int, Plane]:
     rng = np.random.default_rng(seed)
     return {s: rng.integers(0, 2, (size[1], size[0]), dtype=np.uint8) for s in slots}
 
@@ -30,7 +30,7 @@ def brute(planes: dict[int, Plane], job: Job) -> list[int]:
             for x in range(job.search_x, job.search_x + job.offsets_x)]
 
 
-def hold_to_brute(front: Front, planes: dict[int, Plane], jobs: list[Job], size: tuple[int, int]) -> int:
+def hold_to_brute(front: FetchLoop, planes: dict[int, Plane], jobs: list[Job], size: tuple[int, int]) -> int:
     """Contexts and mismatches of a finished run against the jobs; returns the scores compared."""
     valid = [s in planes for s in range(8)]
     statuses = [check(j, front.config, size, valid) for j in jobs]
@@ -53,9 +53,9 @@ def stalled(rng: random.Random) -> Iterator[int]:
 @pytest.mark.parametrize("size", [(48, 36), (41, 23), (18, 18)])
 def test_random_jobs(size: tuple[int, int], stalls: str) -> None:
     rng = random.Random(f"{size}{stalls}")
-    planes = planes_of(TINY, size, [0, 2, 3, 5], 7)
+    planes = random_planes(TINY, size, [0, 2, 3, 5], 7)
     jobs = mixed(rng, TINY, size, [s in planes for s in range(8)], 28, most_offsets=150)
-    front = Front(TINY, planes)
+    front = FetchLoop(TINY, planes)
     if stalls == "none":
         front.run(jobs)
     elif stalls == "random":
@@ -69,10 +69,10 @@ def test_random_jobs(size: tuple[int, int], stalls: str) -> None:
 @pytest.mark.parametrize("x", range(10))
 def test_every_alignment(x: int) -> None:
     """Template and search at every place in a store word, windows at the group's edge."""
-    planes = planes_of(TINY, (48, 36), [0, 1], 11)
+    planes = random_planes(TINY, (48, 36), [0, 1], 11)
     jobs = [Job(0, x, y, w, h, 1, (x * 3 + w) % 8, 5, 9, 2)
             for w in (7, 8, 9, 16) for h, y in ((2, 1), (3, 20), (16, 20))]
-    front = Front(TINY, planes)
+    front = FetchLoop(TINY, planes)
     front.run(jobs)
     assert hold_to_brute(front, planes, jobs, (48, 36)) == 12 * 18
 
@@ -80,9 +80,9 @@ def test_every_alignment(x: int) -> None:
 @pytest.mark.parametrize("nx", [1, 2, 3, 4, 5, 6, 8, 9, 10, 33])
 def test_every_split(nx: int) -> None:
     """Passes along a row: one or two short of, at, and past the pitch."""
-    planes = planes_of(TINY, (48, 36), [0], 12)
+    planes = random_planes(TINY, (48, 36), [0], 12)
     jobs = [Job(0, 3, 4, w, h, 0, 0, 0, nx, 2) for w in (8, 14) for h in (2, 3, 16)]
-    front = Front(TINY, planes)
+    front = FetchLoop(TINY, planes)
     front.run(jobs)
     assert hold_to_brute(front, planes, jobs, (48, 36)) == 6 * 2 * nx
     chunks = [len(p) for p in front.replay.mismatches]
@@ -93,9 +93,9 @@ def test_every_split(nx: int) -> None:
 def test_ring_wraps(kind: str) -> None:
     """Far more rows than the ring holds, through both kinds of window."""
     rng = random.Random(3)
-    planes = planes_of(TINY, (48, 36), list(range(6)), 13)
+    planes = random_planes(TINY, (48, 36), list(range(6)), 13)
     jobs = [acceptable(rng, TINY, (48, 36), kind) for _ in range(4)]
-    front = Front(TINY, planes)
+    front = FetchLoop(TINY, planes)
     front.run(jobs)
     assert sum(j.height + j.offsets_y - 1 for j in jobs) > 2 * TINY.ring_rows
     assert hold_to_brute(front, planes, jobs, (48, 36)) > 500
@@ -103,10 +103,10 @@ def test_ring_wraps(kind: str) -> None:
 
 def test_full_geometry() -> None:
     """Both modes and largest windows at full size."""
-    planes = planes_of(FULL, (640, 480), [0, 5], 14)
+    planes = random_planes(FULL, (640, 480), [0, 5], 14)
     jobs = [Job(5, 511, 351, 128, 128, 0, 512, 350, 1, 3), Job(0, 61, 5, 64, 63, 5, 3, 417, 70, 1),
             Job(0, 7, 5, 65, 9, 5, 575 - 40, 11, 41, 2), Job(5, 632, 472, 8, 8, 0, 0, 472, 633, 1)]
-    front = Front(FULL, planes)
+    front = FetchLoop(FULL, planes)
     front.run(jobs)
     assert hold_to_brute(front, planes, jobs, (640, 480)) == 3 + 70 + 82 + 633
 
@@ -127,10 +127,10 @@ def useful(config: Config, jobs: list[Job]) -> int:
 def test_utilisation(config: Config, window: tuple[int, int], reach: int, count: int) -> None:
     """A queue of equal searches keeps the array busy, its first load included; at full size it always scores."""
     size = (config.max_width, config.max_height)
-    planes = planes_of(config, size, [0, 1], 15)
+    planes = random_planes(config, size, [0, 1], 15)
     n = 2 * reach + 1
     jobs = [Job(0, 3 + k, 1, *window, 1, 5 + k, 2, n, n) for k in range(count)]
-    front = Front(config, planes)
+    front = FetchLoop(config, planes)
     steps = 0
 
     def count_steps(out: dict[str, int | None]) -> None:

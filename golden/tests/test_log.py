@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from golden.log import ONE, Coefs, Image, kernels, respond, response, sigma_max, sign
+from golden.log import ONE, Coefs, Image, kernels, respond, response, sign, widest_sigma
 from golden.params import FULL, ROOT, TINY
 
 SIGMAS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
@@ -72,7 +72,7 @@ def test_bad_image(image: npt.NDArray[np.generic]) -> None:
         response(image, 2.0)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("sigma", [0.6, *SIGMAS, sigma_max(FULL.radius)])
+@pytest.mark.parametrize("sigma", [0.6, *SIGMAS, widest_sigma(FULL.radius)])
 def test_exact_on_extremes(sigma: float) -> None:
     """The largest sums there are: black and white in the shape of the kernel itself."""
     g, g2 = kernels(sigma)

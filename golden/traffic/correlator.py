@@ -15,7 +15,7 @@ from golden.correlate import Job, Plane, Result, Status, run, surface
 from golden.cycle.store.store import StoreModel
 from golden.params import Config
 from golden.structs import RESULT, pack_job
-from golden.traffic.loop import store_words
+from golden.traffic.fetch_loop import store_words
 
 
 def packed_result(result: Result) -> int:
@@ -107,7 +107,7 @@ class CorrelatorTraffic:
 
 
 
-def planes_of(config: Config, slots: tuple[int, ...], seed: int, repeats: int = 1) -> dict[int, Plane]:
+def random_planes(config: Config, slots: tuple[int, ...], seed: int, repeats: int = 1) -> dict[int, Plane]:
     """Random planes; with `repeats` > 1 they repeat themselves, which makes equal scores."""
     rng = np.random.default_rng(seed)
     shape = (config.max_height, config.max_width)

@@ -86,7 +86,7 @@ def stray(rng: random.Random, beats: int) -> Item:
 
 
 @dataclass
-class Seen:
+class VideoRecord:
     """What came out: complete planes in order, and counts of the pulses."""
 
     group_bits: int

@@ -6,7 +6,7 @@ from collections import deque
 
 from golden.correlate import Status
 from golden.cycle.correlator.walker import WalkerModel, counts
-from golden.structs import CONTEXT, ROW, TICKET, unpack_job
+from golden.structs import CONTEXT, STEP_ROW, TICKET, unpack_job
 
 
 class SequencerModel:
@@ -104,7 +104,7 @@ class SequencerModel:
         top = ticket["row"] + self.dy
         final = self.dy == job.offsets_y - 1
         before = last_lanes if self.dy else self.pitch + 1
-        return ROW.pack({
+        return STEP_ROW.pack({
             "final_row": final, "bank": ticket["bank"], "wide": wide, "odd": job.height % 2,
             "ring_row": top % self.ring_rows, "last_lanes": last_lanes,
             **counts(steps, passes, max(before - steps, 0), max(self.pitch - steps, 0)),

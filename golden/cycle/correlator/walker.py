@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 
-from golden.structs import ROW, STEP
+from golden.structs import STEP, STEP_ROW
 
 
 def counts(steps: int, passes: int, gap_row: int, gap_pass: int) -> dict[str, int]:
@@ -70,7 +70,7 @@ class WalkerModel:
         if step is not None:
             self.last = STEP.pack({**step, "valid": 0})
         if taken:
-            self.row = ROW.unpack(i["row_i"])
+            self.row = STEP_ROW.unpack(i["row_i"])
             self.left.extend(row_steps(self.row, self.pitch, self.ring_rows))
         if i["rst_i"]:
             self._reset()

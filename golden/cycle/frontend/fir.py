@@ -7,7 +7,7 @@ from collections import deque
 from golden.cycle.bits import Bits, pack, signed, unpack
 
 
-def levels(radius: int) -> int:
+def adder_levels(radius: int) -> int:
     """Levels of pairwise addition of the taps and the bias: clog2(radius + 2)."""
     return (radius + 1).bit_length()
 
@@ -22,7 +22,7 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (5 + levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (5 + adder_levels(radius)))
         self.sum: int | None = None
 
     def step(self, i: dict[str, int]) -> Bits:

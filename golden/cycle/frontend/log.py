@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 
 from golden.cycle.bits import Bits, unpack
-from golden.cycle.frontend.fir import levels
+from golden.cycle.frontend.fir import adder_levels
 from golden.log import ROUND_BITS, Coefs
 
 
@@ -27,7 +27,7 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 23 + radius + 2 * levels(radius)
+        self.latency = 23 + radius + 2 * adder_levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])

@@ -7,14 +7,14 @@ from collections import deque
 from golden.cycle.cells.ram import RamModel
 from golden.cycle.cells.ram_fifo import RamFifoModel
 from golden.cycle.cells.stage import StageModel
-from golden.cycle.peak.best import BestModel
-from golden.cycle.peak.collect import CollectModel
-from golden.cycle.peak.intake import IntakeModel
-from golden.cycle.peak.room import RoomModel
-from golden.cycle.peak.rows import RowsModel
+from golden.cycle.peak.peak_best import PeakBestModel
+from golden.cycle.peak.peak_collect import PeakCollectModel
+from golden.cycle.peak.peak_intake import PeakIntakeModel
+from golden.cycle.peak.peak_room import PeakRoomModel
+from golden.cycle.peak.peak_rows import PeakRowsModel
+from golden.cycle.peak.peak_scan import PeakScanModel
 from golden.cycle.peak.running_max import RunningMaxModel
-from golden.cycle.peak.scan import ScanModel
-from golden.cycle.peak.structs import ROW, SCAN, VERDICT, Outputs
+from golden.cycle.peak.structs import SCAN, SCORE_ROW, VERDICT, Outputs
 from golden.params import NO_SCORE, SCORE_BITS
 from golden.structs import RESULT
 
@@ -48,9 +48,9 @@ class PeakModel:
     def __init__(self, max_offsets: int, score_depth: int, result_depth: int) -> None:
         self.result_depth = result_depth
         self.queue = RamFifoModel(score_depth)
-        self.room = RoomModel(score_depth, max_offsets)
-        self.rows, self.intake, self.row_max = RowsModel(), IntakeModel(BANKS), RunningMaxModel()
-        self.best, self.scan, self.collect = BestModel(), ScanModel(BANKS), CollectModel()
+        self.room = PeakRoomModel(score_depth, max_offsets)
+        self.rows, self.intake, self.row_max = PeakRowsModel(), PeakIntakeModel(BANKS), RunningMaxModel()
+        self.best, self.scan, self.collect = PeakBestModel(), PeakScanModel(BANKS), PeakCollectModel()
         self.banks = [RamModel() for _ in range(BANKS)]
         self.around, self.verdict = RamFifoModel(result_depth), RamFifoModel(result_depth)
         self.clear()
@@ -145,7 +145,7 @@ class PeakModel:
     def gather(self, rst: int, scan: Outputs) -> Outputs:
         """Outputs of the collection of neighbours and runner-up."""
         near = {name.replace("_o", "_i"): known(scan[name])
-                for name in (*ScanModel.FLAGS, *ScanModel.VALUES, "far_valid_o", "far_o")}
+                for name in (*PeakScanModel.FLAGS, *PeakScanModel.VALUES, "far_valid_o", "far_o")}
         return self.collect.step({"rst_i": rst, **near, "outcome_i": self.outcomes[0] if self.outcomes else 0})
 
     def take_in(self, i: dict[str, int], out: Outputs, released: int) -> tuple[Outputs, int | None]:
@@ -156,7 +156,7 @@ class PeakModel:
         rows = self.rows.step({"rst_i": rst, "ctx_valid_i": int(self.context.word is not None),
                                "ctx_i": known(self.context.word), "row_taken_i": int(taken)})
         row = rows["row_o"]
-        fields = ROW.unpack(known(row))
+        fields = SCORE_ROW.unpack(known(row))
         intake = self.intake.step({
             "rst_i": rst, "row_coming_i": known(rows["row_coming_o"]), "row_refused_i": int(fields["status"] != 0),
             "row_last_x_i": fields["last_x"], "row_first_i": fields["first"], "row_last_i": fields["last"],

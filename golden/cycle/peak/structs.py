@@ -10,7 +10,7 @@ from golden.params import NO_SCORE, SCORE_BITS
 from golden.structs import Layout
 
 PRESENT = 1 << SCORE_BITS
-ROW = Layout(("tag", 16), ("status", 3), ("last_x", 10), ("y", 10), ("first", 1), ("last", 1))
+SCORE_ROW = Layout(("tag", 16), ("status", 3), ("last_x", 10), ("y", 10), ("first", 1), ("last", 1))
 SCORING = Layout(("surface", 1), ("one", 1), ("two", 1), ("area", 15))
 SCAN = Layout(("fresh", 1), ("last", 1), ("above", 1), ("middle", 1), ("below", 1), ("only", 1), ("brief", 1),
               ("last_x", 10), ("best_x", 10))

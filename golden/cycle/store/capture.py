@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from golden.cycle.store.capture_channel import HOPS, ChannelModel
+from golden.cycle.store.capture_channel import HOPS, CaptureChannelModel
 
 
 class CaptureModel:
@@ -14,7 +14,7 @@ class CaptureModel:
 
     def __init__(self, cameras: int, group_bits: int, slots: int, slot_words: int, words_per_row: int) -> None:
         self.cameras, self.group_bits, self.slots = cameras, group_bits, slots
-        self.channels = [ChannelModel(slot_words, words_per_row) for _ in range(cameras)]
+        self.channels = [CaptureChannelModel(slot_words, words_per_row) for _ in range(cameras)]
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
         self.chosen: list[tuple[int, int] | None] = [None] * (HOPS + 1)  # the store's next, the latest first

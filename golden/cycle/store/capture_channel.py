@@ -18,7 +18,7 @@ IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
 
 
 
-class ChannelModel:
+class CaptureChannelModel:
     """One camera's captures; the fields are the registers of `slog_capture_channel`."""
 
     def __init__(self, slot_words: int, words_per_row: int) -> None:

@@ -8,7 +8,7 @@ from golden.cycle.peak.structs import PRESENT, SCAN, Inputs, Outputs
 from golden.params import SCORE_BITS
 
 
-class ScanModel:
+class PeakScanModel:
     """`slog_peak_scan`: columns near the best three clocks after their read, the best of all others ten."""
 
     INPUTS = ("rst_i", "order_valid_i", "order_i", "data_i")

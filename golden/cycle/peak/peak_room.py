@@ -5,7 +5,7 @@ from __future__ import annotations
 from golden.cycle.peak.structs import Inputs, Outputs
 
 
-class RoomModel:
+class PeakRoomModel:
     """`slog_peak_room`: scores granted and not gone. A departure counts one clock late, two beside a grant."""
 
     INPUTS = ("rst_i", "row_valid_i", "row_offsets_i", "taken_i")

@@ -26,7 +26,7 @@ def store_words(plane: Plane, config: Config) -> list[int]:
     return [int.from_bytes(packed[k:k + size], "little") for k in range(0, len(packed), size)]
 
 
-class Front:
+class FetchLoop:
     """The models in a loop. `contexts` collects what the peak unit is told, `replay` what the array is fed."""
 
     def __init__(self, config: Config, planes: dict[int, Plane]) -> None:

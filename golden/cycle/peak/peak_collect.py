@@ -8,7 +8,7 @@ from golden.cycle.peak.structs import OUTCOME, VERDICT, Inputs, Outputs, or_no_s
 from golden.params import SCORE_BITS
 
 
-class CollectModel:
+class PeakCollectModel:
     """`slog_peak_collect`: a job's neighbours, and its verdict three clocks after its last row's scan."""
 
     INPUTS = ("rst_i", "near_first_i", "near_end_i", "near_west_i", "near_centre_i", "near_east_i",

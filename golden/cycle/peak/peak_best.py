@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from golden.correlate import Status
-from golden.cycle.peak.structs import OUTCOME, PRESENT, ROW, SCAN, Inputs, Outputs
+from golden.cycle.peak.structs import OUTCOME, PRESENT, SCAN, SCORE_ROW, Inputs, Outputs
 
 
-class BestModel:
+class PeakBestModel:
     """`slog_peak_best`: per row, whether it is its job's best so far; from the maxima of all rows of the job."""
 
     INPUTS = ("rst_i", "row_valid_i", "row_i", "top_level_i", "top_coming_i", "top_score_i", "top_x_i", "room_i",
@@ -48,7 +48,7 @@ class BestModel:
     def step(self, i: Inputs) -> Outputs:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         hand, row = self.hand, self.row
-        coming = ROW.unpack(i["row_i"])
+        coming = SCORE_ROW.unpack(i["row_i"])
         refused = coming["status"] != Status.OK
         load = self.complete and (hand or not self.held)
         order, outcome = self.decided() if hand else (None, None)

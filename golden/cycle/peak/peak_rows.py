@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import deque
 
 from golden.correlate import Status
-from golden.cycle.peak.structs import ROW, SCORING, Inputs, Outputs
+from golden.cycle.peak.structs import SCORE_ROW, SCORING, Inputs, Outputs
 from golden.structs import CONTEXT
 
 
-class RowsModel:
+class PeakRowsModel:
     """`slog_peak_rows`: the rows of a job, one after another. A row stays for one clock after it was taken."""
 
     INPUTS = ("rst_i", "ctx_valid_i", "ctx_i", "row_taken_i")
@@ -37,7 +37,7 @@ class RowsModel:
         elif load and i["ctx_valid_i"]:
             c = CONTEXT.unpack(i["ctx_i"])
             count = c["offsets_y"] if c["status"] == Status.OK else 1
-            rows.extend(ROW.pack({"tag": c["tag"], "status": c["status"], "last_x": (c["offsets_x"] - 1) % 1024,
+            rows.extend(SCORE_ROW.pack({"tag": c["tag"], "status": c["status"], "last_x": (c["offsets_x"] - 1) % 1024,
                                   "y": y, "first": y == 0, "last": y == count - 1}) for y in range(count))
             self.scoring = SCORING.pack({**c, "one": c["offsets_x"] == 1, "two": c["offsets_x"] == 2})
         return out

@@ -7,7 +7,7 @@ from collections import deque
 from golden.cycle.peak.structs import SCORING, Inputs, Outputs
 
 
-class IntakeModel:
+class PeakIntakeModel:
     """`slog_peak_intake`: scores with their places, two clocks after they are taken."""
 
     INPUTS = ("rst_i", "row_coming_i", "row_refused_i", "row_last_x_i", "row_first_i", "row_last_i", "scoring_i",
