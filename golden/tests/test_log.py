@@ -22,9 +22,9 @@ SIGMAS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 DATA = ROOT.parent / "shared" / "data"
 AGREEMENT = 0.995
 USUAL, WIDE = 4.0, 8.0
-"""Sigmas after which a float LoG is cut: where SciPy and OpenCV cut float Gaussians, and where it hardly shows."""
+"""Sigmas at which a float LoG is cut: as SciPy and OpenCV cut theirs, and where the cut hardly shows."""
 FAINT = 0.01
-"""Grey levels up to which a response is hardly the picture's: a float LoG's far tails, the board's rounding."""
+"""Grey levels up to which a response is mostly the far tail of a float LoG and the rounding of the board."""
 CLEAR_AGREEMENT = 0.9999
 
 
@@ -74,7 +74,7 @@ def test_bad_image(image: npt.NDArray[np.generic]) -> None:
 
 @pytest.mark.parametrize("sigma", [0.6, *SIGMAS, widest_sigma(FULL.radius)])
 def test_exact_on_extremes(sigma: float) -> None:
-    """The largest sums there are: black and white in the shape of the kernel itself."""
+    """The largest possible sums: black and white in the shape of the kernel itself."""
     g, g2 = kernels(sigma)
     taps = np.array([*g2[:0:-1], *g2])
     for one, two in ((taps > 0, taps < 0), (taps < 0, taps > 0), (taps > -ONE, taps > 0)):
@@ -135,7 +135,7 @@ def test_constants_and_ramps_give_nothing(sigma: float, radius: int) -> None:
 def float_response(image: Image, sigma: float, reach: float) -> npt.NDArray[np.float64]:
     """Of a float64 LoG cut `reach` sigmas out, in grey levels per px^2.
 
-    What the cut leaves of the kernel's mean goes where the Gaussian is: a LoG does not see brightness.
+    The mean that the cut leaves in the kernel is taken out in proportion to the Gaussian: a LoG ignores brightness.
     """
     grey = image.astype(np.float64)
     mean = scipy.ndimage.gaussian_laplace(np.ones((1, 1)), sigma, mode="nearest", truncate=reach)
@@ -145,9 +145,9 @@ def float_response(image: Image, sigma: float, reach: float) -> npt.NDArray[np.f
 
 
 def clipped(image: Image, sigma: float) -> npt.NDArray[np.bool_]:
-    """Pixels with nothing but pure black, or pure white, within 2 sigma.
+    """Pixels with only pure black, or only pure white, within 2 sigma.
 
-    There a float LoG sees only its own far tail and rounding (below 0.001 grey levels), and the board sees exactly 0.
+    There a float LoG gives only its far tail and rounding (below 0.001 grey levels), and the board exactly 0.
     """
     side = 2 * int(np.ceil(2 * sigma)) + 1
     box = np.ones((side, side), np.uint8)

@@ -1,6 +1,6 @@
-"""Timing of `slog_operands` and `slog_array` (rtl/slog_array_pkg.sv says the same).
+"""Timing of `slog_operands` and `slog_array`, as in rtl/array/slog_array_pkg.sv.
 
-All counts are clocks from the clock in which `slog_operands`' step is valid; `group_bits` is a power of two.
+All counts are clocks from the one in which the step of `slog_operands` is valid; `group_bits` is a power of two.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def popcount_levels(group_bits: int) -> int:
 
 
 def score_bits(group_bits: int) -> int:
-    """Bits of a count of mismatches, 0..(2*group_bits)**2."""
+    """Values of a count of mismatches, 0..(2*group_bits)**2."""
     return 2 * popcount_levels(group_bits) + 3
 
 
