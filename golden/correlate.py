@@ -90,7 +90,7 @@ class Result:
 
 def check(job: Job, config: Config, image_size: tuple[int, int], slot_valid: Sequence[bool] | Mapping[int, object],
           ) -> Status:
-    """Status of `job`, known before any correlation.
+    """Status of `job`, before any correlation.
 
     Args:
         job: the job.

@@ -136,7 +136,7 @@ class Host:
         return fields()[field].unpack(access.data)
 
     def write(self, register: str, **values: int) -> Script:
-        """Write a register; fields not named become 0."""
+        """Write a register; fields that are not given become 0."""
         access = self.master.write(address(register), word(register, **values))
         yield from self.until(lambda: access.done, f"write of {register}")
 

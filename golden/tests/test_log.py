@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from golden.log import ONE, Coefs, Image, kernels, respond, response, sign, widest_sigma
-from golden.params import FULL, ROOT, TINY
+from golden.log import NARROWEST_SIGMA, ONE, Coefs, Image, kernels, respond, response, sign, widest_sigma
+from golden.params import FULL, MAX_SIGMA, MIN_SIGMA, ROOT, TINY
 
-SIGMAS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
+SIGMAS = (MIN_SIGMA, 1.5, 2.0, 2.5, 3.0, MAX_SIGMA)
 DATA = ROOT.parent / "shared" / "data"
 AGREEMENT = 0.995
 USUAL, WIDE = 4.0, 8.0
@@ -47,7 +47,7 @@ def brute_force(image: Image, g: Coefs, g2: Coefs) -> npt.NDArray[np.int64]:
 
 
 @pytest.mark.parametrize("radius", [TINY.radius, FULL.radius])
-@pytest.mark.parametrize("sigma", [0.6, 0.9, *SIGMAS])
+@pytest.mark.parametrize("sigma", [NARROWEST_SIGMA, 0.9, *SIGMAS])
 def test_kernel_sums(sigma: float, radius: int) -> None:
     g, g2 = kernels(sigma, radius)
     for half, total in ((g, ONE), (g2, 0)):
@@ -72,7 +72,7 @@ def test_bad_image(image: npt.NDArray[np.generic]) -> None:
         response(image, 2.0)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("sigma", [0.6, *SIGMAS, widest_sigma(FULL.radius)])
+@pytest.mark.parametrize("sigma", [NARROWEST_SIGMA, *SIGMAS, widest_sigma(FULL.radius)])
 def test_exact_on_extremes(sigma: float) -> None:
     """The largest possible sums: black and white in the shape of the kernel itself."""
     g, g2 = kernels(sigma)
@@ -85,7 +85,7 @@ def test_exact_on_extremes(sigma: float) -> None:
 
 
 images = hnp.arrays(np.uint8, st.tuples(st.integers(1, 40), st.integers(1, 40)))
-widths = st.floats(0.6, 4.0)
+widths = st.floats(NARROWEST_SIGMA, MAX_SIGMA)
 
 
 @settings(max_examples=60, deadline=None)
