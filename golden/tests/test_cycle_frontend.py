@@ -16,7 +16,7 @@ from golden.traffic.video import BAD_KINDS, Item, VideoRecord, bad, good, play, 
 R = TINY.radius
 
 
-def run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> VideoRecord:
+def _run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> VideoRecord:
     g, g2 = kernels(sigma, R)
     rng = random.Random(seed)
     seen = VideoRecord(TINY.group_bits, width)
@@ -30,7 +30,7 @@ def run(items: list[Item], width: int, height: int, sigma: float, shape: str, se
 def test_good_frames(width: int, height: int, sigma: float) -> None:
     rng = random.Random(width)
     items = [good(texture(rng, width, height)) for _ in range(3)]
-    assert run(items, width, height, sigma, "none", 1).stalled == 0
+    assert _run(items, width, height, sigma, "none", 1).stalled == 0
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -41,4 +41,4 @@ def test_bad_frames(shape: str) -> None:
     for kind in BAD_KINDS:
         items += [good(texture(rng, width, height)), bad(kind, texture(rng, width, height), rng)]
     items += [good(texture(rng, width, height)), stray(rng, 40), good(texture(rng, width, height))]
-    run(items, width, height, 2.0, shape, 3)
+    _run(items, width, height, 2.0, shape, 3)

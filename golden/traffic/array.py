@@ -33,7 +33,6 @@ class WindowTraffic:
         self.group_bits, self.pitch, self.lanes = group_bits, group_bits // 2, group_bits // 2 + 1
         self.ring_rows, self.words = ring_rows, 4 * (-(-words_per_row // 4))
         self.memory = np.zeros((ring_rows, self.words * group_bits), dtype=np.uint8)
-        self.template = np.zeros((0, 0), dtype=np.uint8)
         self.writes: deque[dict[str, int]] = deque()
         self.expected: list[list[int]] = []
         self.scores: list[tuple[int, int]] = []  # clock and value of each mismatch seen

@@ -41,13 +41,15 @@ class CorrelatorTraffic:
     clocks: int = 0
     scores: int = 0
     first_score: int | None = None
+    """Clock of the first score; None before it."""
     last_score: int = 0
+    """Clock of the last score so far."""
 
     def stimulus(self) -> Stimulus:
         """Run all jobs to their results, and 80 clocks more. After a reset the jobs begin again.
 
         Raises:
-            AssertionError: if the results never come, or an offered word changes while it waits.
+            AssertionError: if that takes more than `limit` clocks.
         """
         height, width = next(iter(self.planes.values())).shape
         store = filled_store(self.config, self.planes)
