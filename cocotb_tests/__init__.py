@@ -1,1 +1,1 @@
-"""Cycle-by-cycle cosimulation of every RTL module against its golden model."""
+"""Every RTL module against its cycle model on every clock, in the rooms of `rtl/`."""

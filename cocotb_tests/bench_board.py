@@ -1,4 +1,4 @@
-"""Cocotb side of `make bench`: the whole board driven every clock, every output read, nothing compared."""
+"""Cocotb side of `make bench`: the whole board driven on every clock, every output read, nothing compared."""
 
 import json
 import os

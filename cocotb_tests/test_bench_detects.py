@@ -1,4 +1,4 @@
-"""The bench itself: broken RTL must fail the comparison, and the message must name the place."""
+"""The test bench itself: broken RTL must fail the comparison, and the message must name clock and signal."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ BREAKS = {
 
 @pytest.mark.parametrize("name", BREAKS)
 def test_broken_rtl_is_found(name: str, tmp_path: Path) -> None:
-    """One break of the FIFO at a time; the unbroken one passes in `test_fifo.py`."""
+    """One defect of the FIFO at a time; without it the FIFO passes `test_fifo.py`."""
     right, wrong, message = BREAKS[name]
     source = (RTL / "cells" / "slog_fifo.sv").read_text()
     assert source.count(right) == 1

@@ -1,4 +1,4 @@
-"""The whole `tiny` board against its cycle model on every clock, and what it answers against the frame level."""
+"""`slog_board` (`tiny`) against its cycle model on every clock, its results against the frame level."""
 
 import random
 from collections import deque
@@ -14,6 +14,7 @@ from golden.correlate import Job, Plane, Status, grid, run, surface
 from golden.cycle.board import BoardModel
 from golden.log import sign
 from golden.params import TINY
+from golden.traffic.peak import surface_beats
 from golden.traffic.stalls import SHAPES
 from golden.traffic.video import BAD_KINDS, bad, texture
 from sim.registers.map import address, fields
@@ -23,7 +24,7 @@ SIGMA = 1.5
 SIZE = 21, 19
 
 
-def random_job(rng: random.Random, tag: int, size: tuple[int, int], slots: int = 2) -> Job:
+def _random_job(rng: random.Random, tag: int, size: tuple[int, int], slots: int = 2) -> Job:
     """A good job of any kind."""
     width, height = (rng.randint(TINY.min_window, TINY.max_window) for _ in range(2))
     across, down = rng.randint(1, min(8, size[0] - width + 1)), rng.randint(1, min(5, size[1] - height + 1))
@@ -32,7 +33,7 @@ def random_job(rng: random.Random, tag: int, size: tuple[int, int], slots: int =
                rng.randint(0, size[1] - height - down + 1), across, down, tag, rng.random() < 0.5)
 
 
-def refused_jobs(tag: int) -> list[Job]:
+def _refused_jobs(tag: int) -> list[Job]:
     """One job per reason to refuse it."""
     good = {"tpl_slot": 0, "tpl_x": 0, "tpl_y": 0, "width": 4, "height": 4, "search_slot": 1, "search_x": 0,
             "search_y": 0, "offsets_x": 2, "offsets_y": 2}
@@ -41,7 +42,7 @@ def refused_jobs(tag: int) -> list[Job]:
     return [Job(**{**good, **w}, tag=tag + k) for k, w in enumerate(wrong)]  # type: ignore[arg-type]
 
 
-def capture_pair(h: Host, planes: dict[int, Plane], slots: tuple[int, int]) -> Script:
+def _capture_pair(h: Host, planes: dict[int, Plane], slots: tuple[int, int]) -> Script:
     """A frame from each camera at the same time, read back and compared with the frame-level LoG."""
     for camera, slot in enumerate(slots):
         image = texture(h.rng, *h.size)
@@ -53,24 +54,22 @@ def capture_pair(h: Host, planes: dict[int, Plane], slots: tuple[int, int]) -> S
         assert np.array_equal((yield from h.plane(slot)), planes[slot]), f"plane of slot {slot}"
 
 
-def check_results(h: Host, jobs: list[Job], planes: dict[int, Plane]) -> None:
+def _check_results(h: Host, jobs: list[Job], planes: dict[int, Plane]) -> None:
     """Results and streamed surfaces against the frame level."""
     for result, job in zip(h.results, jobs, strict=True):
         assert result == run(job, planes, TINY, h.size), f"{result} of {job}"
     streamed = deque(h.surface)
     for job, result in zip(jobs, h.results, strict=True):
         if job.surface and result.status is Status.OK:
-            want = surface(planes[job.tpl_slot], planes[job.search_slot], job).flatten().tolist()
-            got = [streamed.popleft() for _ in want]
-            assert [g[0] for g in got] == want, f"surface of job {job.tag}"
-            assert [g[1:] for g in got] == [(int(k == 0), int(k == len(want) - 1)) for k in range(len(want))]
+            want = surface_beats(surface(planes[job.tpl_slot], planes[job.search_slot], job))
+            assert [streamed.popleft() for _ in want] == want, f"surface of job {job.tag}"
     assert not streamed
     h.results.clear()
     h.surface.clear()
 
 
-def work(h: Host, planes: dict[int, Plane], jobs: list[Job], frames: int) -> Script:
-    """Jobs run while camera 1 fills slot 2 again and again; results are taken as they come."""
+def _jobs_during_captures(h: Host, planes: dict[int, Plane], jobs: list[Job], frames: int) -> Script:
+    """Jobs run while camera 1 fills slot 2 repeatedly; results are taken as they arrive."""
     waiting = list(jobs)
     shown = 0
     yield from h.write("irq_enable", capture=1)
@@ -94,15 +93,15 @@ def work(h: Host, planes: dict[int, Plane], jobs: list[Job], frames: int) -> Scr
     assert np.array_equal((yield from h.plane(2)), planes[2])
 
 
-def everyday(h: Host) -> Script:
+def _everyday(h: Host) -> Script:
     """Captures on both cameras, good and refused jobs, captures during work."""
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
-    yield from capture_pair(h, planes, (0, 1))
-    jobs = [replace(random_job(h.rng, tag, SIZE), surface=tag < 5) for tag in range(6)] + refused_jobs(6)
+    yield from _capture_pair(h, planes, (0, 1))
+    jobs = [replace(_random_job(h.rng, tag, SIZE), surface=tag < 5) for tag in range(6)] + _refused_jobs(6)
     h.rng.shuffle(jobs)
-    yield from work(h, planes, jobs, 2)
-    check_results(h, jobs, {s: planes[s] for s in (0, 1)})
+    yield from _jobs_during_captures(h, planes, jobs, 2)
+    _check_results(h, jobs, {s: planes[s] for s in (0, 1)})
     assert (yield from h.read("counter.jobs.value")) == 6
     assert (yield from h.read("counter.refused.value")) == 8
     assert (yield from h.read("counter.frames[0].value")) == 1
@@ -111,11 +110,11 @@ def everyday(h: Host) -> Script:
     assert (yield from h.read("counter.scores.value")) == scores
 
 
-def full_queues(h: Host) -> Script:
-    """Results are not taken until every queue has filled up; nothing is lost but the submit that is counted."""
+def _full_queues(h: Host) -> Script:
+    """No result is taken until every queue is full; nothing is lost but the submit counted as an overflow."""
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
-    yield from capture_pair(h, planes, (0, 1))
+    yield from _capture_pair(h, planes, (0, 1))
     yield from h.write("irq_enable", result=1)
     assert not h.irq
     job = Job(0, 1, 2, 5, 4, 1, 0, 1, 3, 2, tag=65533)
@@ -123,13 +122,13 @@ def full_queues(h: Host) -> Script:
     yield from h.submit(job, (5, 3), (2, 1))
     jobs = list(laid)
     while True:
-        extra = random_job(h.rng, len(jobs), SIZE)
+        extra = _random_job(h.rng, len(jobs), SIZE)
         ready = yield from h.read("job.status.ready")
         if ready:
             jobs.append(extra)
             yield from h.submit(extra)
             continue
-        # Not ready: either for a moment, or for good because everything is full.
+        # Not ready: for a moment, or until a result is taken because everything is full.
         before = yield from h.read("counter.scores.value")
         yield from h.pause(300)
         if not (yield from h.read("job.status.ready")) and (yield from h.read("counter.scores.value")) == before:
@@ -141,23 +140,23 @@ def full_queues(h: Host) -> Script:
     assert (yield from h.read("job.status.waiting")) == TINY.job_depth
     assert h.irq
     yield from h.collect(len(jobs))
-    check_results(h, jobs, planes)
+    _check_results(h, jobs, planes)
     yield from h.pause(5)
     assert not h.irq and len(jobs) > TINY.result_depth + TINY.job_depth
 
 
-def resets(h: Host) -> Script:
-    """Reset in mid-frame, in mid-job and with a read on its way; each time the board works as new afterwards."""
+def _resets(h: Host) -> Script:
+    """Reset in mid-frame, in mid-job and during a read; afterwards the board works as new each time."""
     for moment in range(3):
         planes: dict[int, Plane] = {}
         yield from h.set_up(SIGMA, SIZE)
-        yield from capture_pair(h, planes, (moment, 4))
+        yield from _capture_pair(h, planes, (moment, 4))
         jobs = [Job(moment, 2, 3, 7, 6, 4, 0, 0, 9, 8, tag, True) for tag in range(3)]
         for job in jobs:
             yield from h.submit(job)
         if moment == 2:
             yield from h.collect(3)
-            check_results(h, jobs, planes)
+            _check_results(h, jobs, planes)
             return
         yield from h.arm(0, 5)
         h.show(0, texture(h.rng, *SIZE))
@@ -172,8 +171,8 @@ def resets(h: Host) -> Script:
         assert not (yield from h.read("job.status.busy"))
 
 
-def bad_frames(h: Host, kinds: tuple[str, ...]) -> Script:
-    """Every kind of broken frame before a good one: dropped, counted, the request served by the good one."""
+def _drop_broken_frames(h: Host, kinds: tuple[str, ...]) -> Script:
+    """Each kind of broken frame before a good one: dropped and counted, and the good one is captured."""
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
     yield from h.write("irq_enable", drop=1)
@@ -194,7 +193,7 @@ def bad_frames(h: Host, kinds: tuple[str, ...]) -> Script:
     for slot, plane in planes.items():
         got = yield from h.plane(slot)
         assert np.array_equal(got, plane), f"slot {slot} after {kinds[slot]}"
-    # A request withdrawn in mid-frame leaves its slot invalid; a slot is given to one camera only.
+    # A request cancelled in mid-frame leaves its slot invalid; a slot is granted to one camera only.
     yield from h.arm(0, 0)
     yield from h.write("capture", camera=1, slot=0, go=1)
     assert (yield from h.read("slot_status.refused"))
@@ -207,12 +206,12 @@ def bad_frames(h: Host, kinds: tuple[str, ...]) -> Script:
     assert not (yield from h.read("slot_status.valid")) & 1
 
 
-def chatter(h: Host) -> Generator[None, None, None]:
-    """Random reads of every register, and writes that do no harm, while frames and jobs are under way."""
+def _accesses(h: Host) -> Generator[None, None, None]:
+    """Random reads of every register, and harmless writes, during frames and jobs."""
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
-    yield from capture_pair(h, planes, (0, 1))
-    jobs = [random_job(h.rng, tag, SIZE) for tag in range(5)]
+    yield from _capture_pair(h, planes, (0, 1))
+    jobs = [_random_job(h.rng, tag, SIZE) for tag in range(5)]
     for job in jobs:
         yield from h.submit(job)
     places = sorted({f.address for f in fields().values()})
@@ -234,10 +233,10 @@ def chatter(h: Host) -> Generator[None, None, None]:
     assert reads > 100
     yield from h.write("irq_enable")
     yield from h.collect(len(jobs))
-    check_results(h, jobs, planes)
+    _check_results(h, jobs, planes)
 
 
-async def scenario(dut, script, video: str = "none", sink: str = "none", bus: str = "none") -> Host:
+async def _scenario(dut, script, video: str = "none", sink: str = "none", bus: str = "none") -> Host:
     rng = random.Random(cocotb.RANDOM_SEED)
     host = Host(TINY, rng, video, sink, bus)
     clocks = await check_cycles(dut, BoardModel(TINY, fields()), host.play(script(host)),
@@ -249,29 +248,29 @@ async def scenario(dut, script, video: str = "none", sink: str = "none", bus: st
 @cocotb.test()
 @cocotb.parametrize(shape=SHAPES)
 async def everyday_work(dut, shape: str) -> None:
-    host = await scenario(dut, everyday, shape, shape, shape)
+    host = await _scenario(dut, _everyday, shape, shape, shape)
     assert shape == "none" or host.stalls["surface"] > 10
 
 
 @cocotb.test()
 async def queues_full(dut) -> None:
-    await scenario(dut, full_queues, sink="random")
+    await _scenario(dut, _full_queues, sink="random")
 
 
 @cocotb.test()
 async def reset_in_the_middle(dut) -> None:
-    await scenario(dut, resets, video="random")
+    await _scenario(dut, _resets, video="random")
 
 
 @cocotb.test()
 @cocotb.parametrize((("shape", "kinds"), [("none", BAD_KINDS[:3]), ("random", BAD_KINDS[3:])]))
 async def broken_frames(dut, shape: str, kinds: tuple[str, ...]) -> None:
-    await scenario(dut, lambda h: bad_frames(h, kinds), video=shape)
+    await _scenario(dut, lambda h: _drop_broken_frames(h, kinds), video=shape)
 
 
 @cocotb.test()
 async def access_during_work(dut) -> None:
-    await scenario(dut, chatter, video="cyclic", sink="long", bus="random")
+    await _scenario(dut, _accesses, video="cyclic", sink="long", bus="random")
 
 
 def test_board() -> None:
@@ -279,6 +278,6 @@ def test_board() -> None:
 
 
 def test_board_with_gated_clocks() -> None:
-    """The clocks the fast build stops must not show in any output."""
+    """Stopping the clocks of idle blocks, as the fast build does, changes no output."""
     simulate("slog_board", __name__, ports=AXI_PORTS, defines={"SLOG_CLOCK_GATE": "1"},
              testcase="everyday_work/shape=random|reset_in_the_middle|broken_frames/shape=none|access_during_work")

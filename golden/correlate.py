@@ -1,4 +1,4 @@
-"""Frame-level correlation: what the board answers to a job, bit for bit.
+"""Frame-level correlation: the result of a job, bit for bit.
 
 The score of an offset is the number of matching bits of template and search window, `width * height` minus their
 Hamming distance. Of equal scores the first in raster order is the best. Field widths are those of `slog_pkg`.
@@ -32,7 +32,7 @@ _FIELD_MAX = {
 
 
 class Status(IntEnum):
-    """Why a job was refused (`slog_pkg::status_e`); where several hold, the smallest is reported."""
+    """Why a job was refused (`slog_pkg::status_e`); where several reasons apply, the smallest is reported."""
 
     OK = 0
     BAD_WINDOW = 1
@@ -73,7 +73,11 @@ class Job:
 
 @dataclass(frozen=True)
 class Result:
-    """The board's answer to a job (`slog_pkg::result_t`). A refused job has best (0, 0) and no scores."""
+    """The result of a job (`slog_pkg::result_t`). A refused job has best (0, 0) and no scores.
+
+    `best_x`, `best_y` are offsets in pixels, `score` the matching bits there, `runner_up` the best score outside the
+    3x3 neighbourhood; scores are 0..16384, or NO_SCORE where absent.
+    """
 
     tag: int
     status: Status
@@ -86,13 +90,13 @@ class Result:
 
 def check(job: Job, config: Config, image_size: tuple[int, int], slot_valid: Sequence[bool] | Mapping[int, object],
           ) -> Status:
-    """Status the board gives `job` before any work.
+    """Status of `job`, before any correlation.
 
     Args:
         job: the job.
-        config: the board; bounds the window and names the slots there are.
+        config: the board; bounds the window and the slots.
         image_size: (width, height) in pixels.
-        slot_valid: per slot whether it holds a frame; or a mapping that holds a key for each such slot.
+        slot_valid: whether each slot holds a frame; or a mapping with a key for each slot that does.
     """
     def holds(slot: int) -> bool:
         if slot >= config.slots:
@@ -115,7 +119,7 @@ def surface(template_plane: Plane, search_plane: Plane, job: Job) -> Surface:
     """Every score of an accepted job, exact.
 
     The squared difference of 0/1 images is their Hamming distance; OpenCV's float32 result is an integer to within
-    far less than one half (`test_correlate.py` holds the bound), so rounding makes it exact.
+    far less than one half (asserted in `test_correlate.py`), so rounding makes it exact.
 
     Args:
         template_plane: plane of the template slot, uint8 0/1, (H, W).
@@ -141,7 +145,8 @@ def surface(template_plane: Plane, search_plane: Plane, job: Job) -> Surface:
 def peak(scores: Surface) -> tuple[int, int, int, Neighbours, int]:
     """Best of a surface: (best_x, best_y, score, its eight neighbours, best score outside its 3x3 neighbourhood).
 
-    NO_SCORE stands for a neighbour that is not there, and for the runner-up where nothing is outside.
+    `scores` is int32, (offsets_y, offsets_x), not empty. Of equal scores the first in raster order is the best. A
+    neighbour outside the surface is NO_SCORE, as is the runner-up where nothing is outside the neighbourhood.
     """
     y, x = divmod(int(np.argmax(scores)), scores.shape[1])
     best = int(scores[y, x])
@@ -160,7 +165,7 @@ def run(job: Job, planes: Mapping[int, Plane], config: Config, image_size: tuple
 
     Args:
         job: the job, acceptable or not.
-        planes: sign planes by slot, uint8 0/1, (height, width) of `image_size`; a slot without a frame is left out.
+        planes: sign planes by slot, uint8 0/1, (height, width) of `image_size`; a slot without a frame has no key.
         config: the board.
         image_size: (width, height) in pixels.
     """
@@ -174,7 +179,7 @@ def run(job: Job, planes: Mapping[int, Plane], config: Config, image_size: tuple
 def grid(job: Job, count: tuple[int, int], step: tuple[int, int]) -> list[Job]:
     """Jobs of a grid command in raster order: template and search move together, the tag counts up (modulo 2**16).
 
-    Positions saturate at COORDINATE_MAX, which is outside every image: a grid that runs off is refused, never wrapped.
+    Positions saturate at COORDINATE_MAX, which is outside every image: such a job is refused, never wrapped around.
 
     Args:
         job: the first job.

@@ -21,18 +21,19 @@ import numpy.typing as npt
 from golden.params import COEF_FRACTION, FULL
 
 ONE = 1 << COEF_FRACTION
-"""Sum of `g`, and the most the positive taps of `g2` sum to."""
+"""Sum of `g`, and the largest sum of the positive taps of `g2`."""
 ROUND_BITS = 7
 """Fraction bits dropped, rounding half up, between the passes."""
-SIGMA_MIN = 0.6
-"""Narrowest Gaussian that is still sampled well enough to be one, in pixels."""
+NARROWEST_SIGMA = 0.6
+"""Narrowest Gaussian that pixels still sample well, pixels; the boards take sigma from `golden.params.MIN_SIGMA` on."""
 
 Image = npt.NDArray[np.uint8]
 Coefs = tuple[int, ...]
+"""Half of a symmetric kernel: the centre, then one coefficient per distance."""
 
 
-def sigma_max(radius: int) -> float:
-    """Widest Gaussian a kernel of `radius` holds: it reaches two sigmas out."""
+def widest_sigma(radius: int) -> float:
+    """Sigma of the widest Gaussian for a kernel of `radius`, which must reach two sigmas; both in pixels."""
     return radius / 2
 
 
@@ -41,23 +42,23 @@ def kernels(sigma: float, radius: int = FULL.radius) -> tuple[Coefs, Coefs]:
     """Coefficients of the smoothing kernel and of its second derivative.
 
     Args:
-        sigma: standard deviation of the Gaussian in pixels, `SIGMA_MIN` to `sigma_max(radius)`.
+        sigma: standard deviation of the Gaussian in pixels, `NARROWEST_SIGMA` to `widest_sigma(radius)`.
         radius: distance of the outermost taps in pixels, at least 1.
 
     Returns:
         `(g, g2)`, each `radius + 1` signed integers: the centre first, then one per distance. `g` is in units of
-        2**-15; `g2` is scaled so that its positive taps come as near 2**15 as they can without passing it.
+        2**-15; `g2` is scaled so that its positive taps come as near 2**15 as possible without exceeding it.
 
     Raises:
         ValueError: for a sigma the kernel cannot hold.
     """
-    if radius < 1 or not SIGMA_MIN <= sigma <= sigma_max(radius):
-        raise ValueError(f"sigma {sigma} is outside {SIGMA_MIN}..{sigma_max(radius)} for radius {radius}")
+    if radius < 1 or not NARROWEST_SIGMA <= sigma <= widest_sigma(radius):
+        raise ValueError(f"sigma {sigma} is outside {NARROWEST_SIGMA}..{widest_sigma(radius)} for radius {radius}")
     x = np.arange(radius + 1, dtype=np.float64)
     gauss = np.exp(-0.5 * (x / sigma) ** 2)
     gauss /= _full_sum(gauss)
     curve = ((x / sigma) ** 2 - 1) * gauss
-    # What truncation and sampling leave of the mean goes where the Gaussian is, so the tails keep their shape.
+    # Truncation and sampling leave a mean; it is taken out in proportion to the Gaussian: the tails keep their shape.
     curve -= _full_sum(curve) * gauss
     curve *= ONE / (2 * curve[curve > 0].sum())
     return _to_integers(gauss * ONE, ONE), _to_integers(curve, 0)
@@ -67,7 +68,7 @@ def response(image: Image, sigma: float, radius: int = FULL.radius) -> npt.NDArr
     """LoG response of a grey image.
 
     Args:
-        image: uint8 (H, W), any size of at least one pixel (the board wants `2 * radius + 2` each way).
+        image: uint8 (H, W), any size of at least one pixel (the board takes `2 * radius + 2` or more each way).
         sigma: as in `kernels`.
         radius: as in `kernels`.
 
@@ -81,7 +82,7 @@ def response(image: Image, sigma: float, radius: int = FULL.radius) -> npt.NDArr
 
 
 def respond(image: Image, g: Coefs, g2: Coefs) -> npt.NDArray[np.int64]:
-    """Response of `image` to given coefficients; see `response`."""
+    """Response of `image` to the kernels `g` and `g2`; values, shape and errors as `response`."""
     if image.ndim != 2 or image.dtype != np.uint8 or image.size == 0:
         raise ValueError(f"expected an 8-bit grey image, not {image.dtype} {image.shape}")
     # Every product and partial sum is an integer below 2**24 down the columns and below 2**53 along the rows: both
@@ -97,7 +98,7 @@ def sign(image: Image, sigma: float, radius: int = FULL.radius) -> Image:
 
 
 def binarise(image: Image, g: Coefs, g2: Coefs) -> Image:
-    """Sign plane of `image` for given coefficients; see `sign`."""
+    """Sign plane of `image` for the kernels `g` and `g2`; see `sign`."""
     return (respond(image, g, g2) > 0).astype(np.uint8)
 
 

@@ -17,16 +17,20 @@ PIXEL_BITS = 8
 COEF_BITS = 18
 """Bits of a signed LoG coefficient; 1.0 is 2**COEF_FRACTION."""
 COEF_FRACTION = 15
+"""Fraction bits of a LoG coefficient."""
 TAG_BITS = 16
+"""Bits of a job's tag."""
 SCORE_BITS = 15
-"""Bits of a score in a result, whatever the configuration: 0..16384."""
+"""Bits of a score in a result, in every configuration: 0..16384."""
 NO_SCORE = (1 << SCORE_BITS) - 1
-"""Absent score: no offset there, or nothing outside the peak's neighbourhood."""
+"""Absent score: no offset at that position, or none outside the neighbourhood of the peak."""
+MIN_SIGMA, MAX_SIGMA = 1.0, 4.0
+"""Range of sigma that every board takes, pixels: over it the sign agrees with a float64 LoG and the kernel fits."""
 
 
 @dataclass(frozen=True)
 class Config:
-    """One board build. Lengths in pixels, depths in entries.
+    """A board build. Lengths in pixels, depths in entries.
 
     `group_bits` is the width of one operand group of the correlator array and of a store word; an array
     step takes two rows of a window up to `group_bits` wide, or one row of a window up to `max_window` wide.
@@ -58,6 +62,8 @@ class Config:
             raise ValueError("cameras must be 1..2 and slots 2..8")
         if self.max_width >= 1024 or self.max_height >= 1024:
             raise ValueError("coordinates have 10 bits")
+        if self.radius < 2 * MAX_SIGMA:
+            raise ValueError(f"radius must be {2 * MAX_SIGMA:g} or more, to hold a LoG of sigma {MAX_SIGMA:g}")
 
     @property
     def max_window(self) -> int:
@@ -133,7 +139,7 @@ def sv_package(c: Config) -> str:
 
 
 def main(argv: list[str]) -> int:
-    """Write the packages, or with `--check` compare them; returns the exit status."""
+    """Write the packages, or compare them with `--check` among `argv`; returns the exit status."""
     stale = []
     for c in CONFIGS.values():
         path = ROOT / "rtl" / "gen" / c.name / "slog_cfg_pkg.sv"

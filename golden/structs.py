@@ -1,24 +1,25 @@
-"""Packed structs of rtl/slog_pkg.sv and rtl/slog_fetch_pkg.sv as Python layouts: fields, first one highest."""
+"""Packed structs of rtl/slog_pkg.sv and rtl/correlator/slog_fetch_pkg.sv as Python layouts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from golden.correlate import Job
+from golden.correlate import Job, Result
 
 
 class Layout:
-    """A packed struct: (name, bits) pairs from the most significant field down."""
+    """A packed struct: (name, bits) pairs from the most significant field down; `bits` is their sum."""
 
     def __init__(self, *fields: tuple[str, int]) -> None:
         self.fields = fields
         self.bits = sum(bits for _, bits in fields)
 
     def pack(self, values: Mapping[str, int]) -> int:
-        """The struct as one integer.
+        """The struct as one integer; values of other names are ignored.
 
         Raises:
+            KeyError: if a field has no value.
             ValueError: if a value does not fit its field.
         """
         word = 0
@@ -47,8 +48,9 @@ RESULT = Layout(("tag", 16), ("status", 3), ("best_x", 10), ("best_y", 10), ("sc
                 *((f"neighbour{k}", 15) for k in range(7, -1, -1)), ("runner_up", 15))
 LOAD = Layout(("addr", 16), ("shift", 6), ("words_in", 4), ("words_out", 4), ("rows", 10))
 TICKET = Layout(("job", JOB.bits), ("status", 3), ("bank", 1), ("row", 9), ("area", 15))
-ROW = Layout(("final_row", 1), ("bank", 1), ("wide", 1), ("odd", 1), ("steps", 8), ("ring_row", 8), ("passes", 6),
+STEP_ROW = Layout(("final_row", 1), ("bank", 1), ("wide", 1), ("odd", 1), ("steps", 8), ("ring_row", 8), ("passes", 6),
              ("last_lanes", 6), ("gap_row", 7), ("gap_pass", 7), ("free_to", 9))
+"""`row_t`: a row of offsets, as the walker turns it into steps."""
 
 
 def pack_job(job: Job) -> int:
@@ -60,3 +62,10 @@ def unpack_job(word: int) -> Job:
     """The job in a packed `job_t`."""
     fields = JOB.unpack(word)
     return Job(**{**fields, "surface": bool(fields["surface"])})  # type: ignore[arg-type]
+
+
+def pack_result(result: Result) -> int:
+    """`result` as a packed `result_t`."""
+    return RESULT.pack({"tag": result.tag, "status": result.status, "best_x": result.best_x, "best_y": result.best_y,
+                        "score": result.score, "runner_up": result.runner_up,
+                        **{f"neighbour{k}": v for k, v in enumerate(result.neighbours)}})

@@ -1,0 +1,1 @@
+"""Tests of the correlator array and its operands."""

@@ -15,14 +15,14 @@ from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
-def traffic(rng: random.Random, move: str, bubbles: str, passes: int, reset_at: int | None) -> Stimulus:
-    """`passes` passes of 1 to 12 random rows under a few random masks; operands wait while the array stands still."""
+def _passes(rng: random.Random, move: str, bubbles: str, passes: int, reset_at: int | None) -> Stimulus:
+    """`passes` passes of 1 to 12 random rows under a few random masks; operands wait while the array is frozen."""
     g, lanes = params()["GroupBits"], params()["Lanes"]
     moves, rows = willing(move, rng), willing(bubbles, rng)
     mask, t, until_last = 0, 0, 0
 
     def clock(row: Inputs | None) -> Stimulus:
-        """One clock of movement, after any number of standing still."""
+        """One enabled clock, after any number of frozen ones."""
         nonlocal t, until_last
         noise = {"valid_i": 0, "first_i": rng.getrandbits(1), "last_i": rng.getrandbits(1),
                  "lanes_i": rng.randint(1, lanes)}
@@ -65,7 +65,7 @@ def traffic(rng: random.Random, move: str, bubbles: str, passes: int, reset_at: 
 @cocotb.test()
 @cocotb.parametrize(move=SHAPES, bubbles=("none", "random"))
 async def every_clock(dut, move: str, bubbles: str) -> None:
-    """As modelled on every clock, in random rows and masks; one test in two has a reset in mid-work."""
+    """Random rows and masks; with random bubbles also a reset in mid-pass."""
     g, lanes = params()["GroupBits"], params()["Lanes"]
     passes = 60 if g <= 16 else 16
     scores: list[int] = []
@@ -76,7 +76,7 @@ async def every_clock(dut, move: str, bubbles: str) -> None:
 
     rng = random.Random(cocotb.RANDOM_SEED)
     reset_at = rng.randint(100, 200) if bubbles == "random" else None
-    await check_cycles(dut, ArrayModel(g, lanes), traffic(rng, move, bubbles, passes, reset_at), watch)
+    await check_cycles(dut, ArrayModel(g, lanes), _passes(rng, move, bubbles, passes, reset_at), watch)
     assert len(scores) > passes and max(scores) > g
 
 

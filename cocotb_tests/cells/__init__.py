@@ -1,0 +1,1 @@
+"""Tests of the general cells: RAM, multiplier, queues."""

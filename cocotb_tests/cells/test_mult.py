@@ -1,4 +1,4 @@
-"""`slog_mult`, and its twin on the ECP5 multiplier, against one cycle model on every clock."""
+"""`slog_mult` and its ECP5 twin against one cycle model on every clock."""
 
 import random
 
@@ -14,21 +14,21 @@ CLOCKS = 2000
 EXTREMES = (0, 1, 1 << BITS - 1, (1 << BITS - 1) - 1, (1 << BITS) - 1)
 
 
-def operand(rng: random.Random) -> int:
+def _operand(rng: random.Random) -> int:
     return rng.choice(EXTREMES) if rng.random() < 0.4 else rng.getrandbits(BITS)
 
 
-def traffic(rng: random.Random) -> Stimulus:
-    """Runs of extreme and random operands, a new coefficient before each; its value stays until the run has ended."""
-    b, left = operand(rng), 0
+def _products(rng: random.Random) -> Stimulus:
+    """Runs of extreme and random operands; a new coefficient before each run, constant within it."""
+    b, left = _operand(rng), 0
     for _ in range(CLOCKS):
         if left == 0:
             left = rng.randint(1, 12)
-            b = operand(rng)
+            b = _operand(rng)
             for _ in range(2):
-                yield {"en_i": 0, "a_i": operand(rng), "b_i": b}
+                yield {"en_i": 0, "a_i": _operand(rng), "b_i": b}
         left -= 1
-        yield {"en_i": 1, "a_i": operand(rng), "b_i": b}
+        yield {"en_i": 1, "a_i": _operand(rng), "b_i": b}
 
 
 @cocotb.test()
@@ -40,7 +40,7 @@ async def every_clock(dut) -> None:
         if out["p_o"] is not None:
             seen.add(out["p_o"])
 
-    await check_cycles(dut, MultModel(), traffic(rng), count, reset_clocks=0)
+    await check_cycles(dut, MultModel(), _products(rng), count, reset_clocks=0)
     assert len(seen) > CLOCKS // 4
 
 

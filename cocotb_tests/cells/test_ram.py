@@ -1,4 +1,4 @@
-"""`slog_ram`, and its twin on ECP5 block RAMs, against one cycle model on every clock."""
+"""`slog_ram` and its ECP5 twin against one cycle model on every clock."""
 
 import random
 
@@ -14,8 +14,8 @@ from sim.testbench.runner import simulate
 CLOCKS = 1500
 
 
-def traffic(rng: random.Random, width: int, depth: int) -> Stimulus:
-    """Both ends at random over a few addresses, the first and the last among them; never the same in one clock."""
+def _accesses(rng: random.Random, width: int, depth: int) -> Stimulus:
+    """Random writes and reads at a few addresses, the first and the last among them; never both at one in a clock."""
     addresses = sorted({0, depth - 1, depth // 2, *(rng.randrange(depth) for _ in range(12))})
     for _ in range(CLOCKS):
         writing, reading = rng.random() < 0.6, rng.random() < 0.6
@@ -35,19 +35,19 @@ async def every_clock(dut) -> None:
         nonlocal reads
         reads += bool(i["rd_en_i"] and out["rd_data_o"] is not None)
 
-    await check_cycles(dut, RamModel(), traffic(rng, params()["Width"], params()["Depth"]), count, reset_clocks=0)
+    await check_cycles(dut, RamModel(), _accesses(rng, params()["Width"], params()["Depth"]), count, reset_clocks=0)
     assert reads > CLOCKS // 4
 
 
 @pytest.mark.parametrize(("width", "depth"), [(8, 16), (65, 640)])
-def test_generic(width: int, depth: int) -> None:
+def test_ram(width: int, depth: int) -> None:
     simulate("slog_ram", __name__, {"Width": width, "Depth": depth})
 
 
 ASPECTS = [(37, 512), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)]
-"""Widths and depths, one for each aspect of the block."""
+"""Widths and depths, one for each aspect ratio of the block RAM."""
 
 
 @pytest.mark.parametrize(("width", "depth"), ASPECTS)
-def test_ecp5(width: int, depth: int) -> None:
+def test_ram_ecp5(width: int, depth: int) -> None:
     simulate("slog_ram", __name__, {"Width": width, "Depth": depth}, ecp5=True)

@@ -5,13 +5,15 @@ import random
 import cocotb
 import pytest
 
-from cocotb_tests.cells.test_fifo import traffic
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.cells.ram_fifo import RamFifoModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.traffic.queue import queue_words
 from golden.traffic.stalls import SHAPES
 from sim.testbench.runner import simulate
+
+CLOCKS = 600
 
 
 @cocotb.test()
@@ -25,15 +27,16 @@ async def every_clock(dut, source: str, sink: str) -> None:
         popped += bool(out["out_valid_o"] and i["out_ready_i"])
         full += not out["in_ready_o"]
 
-    clocks = await check_cycles(dut, RamFifoModel(depth), traffic(rng, source, sink, params()["Width"]), count)
-    assert popped > clocks // 10
+    stimulus = queue_words(rng, source, sink, params()["Width"], CLOCKS)
+    await check_cycles(dut, RamFifoModel(depth), stimulus, count)
+    assert popped > CLOCKS // 10
     if source == "none" and sink != "none":
         assert full > 0
 
 
 @cocotb.test()
 async def rate_and_latency(dut) -> None:
-    """Five clocks to get through, then a word per clock for as long as it is fed."""
+    """Five clocks of latency, then a word per clock."""
     model, words = RamFifoModel(params()["Depth"]), 60
     seen: list[tuple[int, int | None]] = []
 

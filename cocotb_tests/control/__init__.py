@@ -1,0 +1,1 @@
+"""Tests of the registers, by clock and by field."""

@@ -1,0 +1,1 @@
+"""Tests of the correlator and of its parts from grid to walker."""

@@ -14,8 +14,8 @@ from sim.testbench.runner import simulate
 ROWS = 250
 
 
-def rows(rng: random.Random, width: int, idle: float, expected: list[tuple[int, int]]) -> Stimulus:
-    """Rows of 1..5 words at every shift, back to back or with pauses; the garbage between them is random."""
+def _rows(rng: random.Random, width: int, idle: float, expected: list[tuple[int, int]]) -> Stimulus:
+    """Rows of 1..5 words at every shift, back to back or with pauses; idle wires are random."""
     clock = 0
     for row in range(ROWS):
         bits, shift = rng.randint(1, 4 * width), row % width
@@ -39,7 +39,7 @@ def rows(rng: random.Random, width: int, idle: float, expected: list[tuple[int, 
 @cocotb.test()
 @cocotb.parametrize(idle=[0.0, 0.4])
 async def every_clock(dut, idle: float) -> None:
-    """Every clock against the model, and what comes out is the rows' bits from their first on."""
+    """Every clock as the model; the output words are the bits of the rows from their first on, after the latency."""
     rng = random.Random(cocotb.RANDOM_SEED)
     width = params()["Width"]
     expected: list[tuple[int, int]] = []
@@ -57,7 +57,7 @@ async def every_clock(dut, idle: float) -> None:
             ended.append(clock)
         clock += 1
 
-    await check_cycles(dut, AlignModel(width), rows(rng, width, idle, expected), note)
+    await check_cycles(dut, AlignModel(width), _rows(rng, width, idle, expected), note)
     assert len(seen) == len(expected) > ROWS
     assert [s & (1 << left) - 1 for s, (_, left) in zip(seen, expected, strict=True)] == [w for w, _ in expected]
     latency = 2 + ((width - 1).bit_length() + 1) // 2

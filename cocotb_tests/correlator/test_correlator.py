@@ -1,4 +1,4 @@
-"""`slog_correlator`, the blocks wired together, against the joined cycle models on every clock and the frame level."""
+"""`slog_correlator` against its cycle model on every clock, and against the frame level."""
 
 import random
 from dataclasses import replace
@@ -10,14 +10,17 @@ from cocotb_tests.env.params import params
 from golden.correlate import Job
 from golden.cycle.correlator.correlator import CorrelatorModel
 from golden.params import TINY
-from golden.traffic.correlator import CorrelatorTraffic, planes_of
+from golden.traffic.correlator import CorrelatorTraffic, random_planes
 from golden.traffic.jobs import mixed
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
+SCORE_DEPTH = 2 * TINY.max_width
+"""Two rows of the image, so that the score queue grants at once; that of the tiny board holds hardly more than one."""
 
-def tiny_work(rng: random.Random, count: int, repeats: int = 1, **ends) -> CorrelatorTraffic:
-    planes = planes_of(TINY, (0, 2, 3, 5), rng.getrandbits(16), repeats)
+
+def _traffic(rng: random.Random, count: int, repeats: int = 1, **ends) -> CorrelatorTraffic:
+    planes = random_planes(TINY, (0, 2, 3, 5), rng.getrandbits(16), repeats)
     jobs = mixed(rng, TINY, (TINY.max_width, TINY.max_height), [s in planes for s in range(8)], count, most_offsets=150)
     return CorrelatorTraffic(TINY, planes, jobs, **ends)
 
@@ -25,48 +28,43 @@ def tiny_work(rng: random.Random, count: int, repeats: int = 1, **ends) -> Corre
 @cocotb.test()
 @cocotb.parametrize(shape=SHAPES, end=("all", "one"))
 async def every_clock(dut, shape: str, end: str) -> None:
-    """Every end stalled, and each by itself: the same answers, those of the frame level."""
+    """All ends stalled, and each by itself: the results are those of the frame level."""
     if shape == "none" and end != "all":
         return
     rng = random.Random(cocotb.RANDOM_SEED)
     ends: tuple[str, ...] = ("source", "results_end", "surface_end")
     if end == "one":
         ends = (ends[SHAPES.index(shape) - 1],)
-    work = tiny_work(rng, 8, repeats=rng.choice((1, 4)), **{e: willing(shape, rng) for e in ends})
-    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), work.stimulus(), None)
-    work.check()
-    assert work.scores > 100
+    traffic = _traffic(rng, 8, repeats=rng.choice((1, 4)), **{e: willing(shape, rng) for e in ends})
+    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), traffic.stimulus(), None)
+    traffic.check()
+    assert traffic.scores > 100
 
 
 @cocotb.test()
 @cocotb.parametrize(reset_at=(150, 420, 777))
 async def reset_in_mid_job(dut, reset_at: int) -> None:
-    """After a reset in mid-job the same jobs give the right answers."""
-    work = tiny_work(random.Random(cocotb.RANDOM_SEED), 10)
-    work.reset_at = reset_at
-    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), work.stimulus(), None)
-    work.check()
-    assert work.scores > 100
+    """After a reset in mid-job the same jobs give the right results."""
+    traffic = _traffic(random.Random(cocotb.RANDOM_SEED), 10)
+    traffic.reset_at = reset_at
+    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), traffic.stimulus(), None)
+    traffic.check()
+    assert traffic.scores > 100
 
 
 @cocotb.test()
 async def utilisation(dut) -> None:
-    """A queue of equal searches whose offsets outnumber the steps of a pass: 95 % of all clocks, the first load
-    included, yield a score."""
-    planes = planes_of(TINY, (0, 1), 22)
+    """Equal searches with more offsets than steps in a pass: a score in 95 % of all clocks, the first load included."""
+    planes = random_planes(TINY, (0, 1), 22)
     n = 4 * TINY.pitch + 1
     job = Job(0, 3, 1, 8, 8, 1, 5, 2, n, n)
-    work = CorrelatorTraffic(TINY, planes, [replace(job, tag=k, tpl_x=3 + k, search_x=5 + k) for k in range(10)])
-    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), work.stimulus(), None)
-    work.check()
-    assert work.scores == 10 * n * n
-    share = work.scores / (work.last_score + 1)
-    cocotb.log.info("%.3f of %d clocks score", share, work.last_score + 1)
+    traffic = CorrelatorTraffic(TINY, planes, [replace(job, tag=k, tpl_x=3 + k, search_x=5 + k) for k in range(10)])
+    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), traffic.stimulus(), None)
+    traffic.check()
+    assert traffic.scores == 10 * n * n
+    share = traffic.scores / (traffic.last_score + 1)
+    cocotb.log.info("%.3f of %d clocks score", share, traffic.last_score + 1)
     assert share >= 0.95
-
-
-SCORE_DEPTH = 2 * TINY.max_width
-"""Two rows of the image, so that the scores' queue grants at once; the tiny board's holds little more than one."""
 
 
 def test_correlator() -> None:

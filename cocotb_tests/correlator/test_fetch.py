@@ -1,4 +1,4 @@
-"""`slog_fetch` against its cycle model on every clock; its parts are tested at full size by themselves."""
+"""`slog_fetch` against its cycle model on every clock; its parts are tested at full size in files of their own."""
 
 import random
 from collections import Counter, deque
@@ -21,22 +21,22 @@ VALID = [True, False, True, True, False, True, False, False]
 RING = 2 * TINY.ring_rows
 
 
-def _rows(ticket: dict[str, int]) -> int:
+def _search_rows(ticket: dict[str, int]) -> int:
     job = unpack_job(ticket["job"])
     return job.height + job.offsets_y - 1
 
 
-def work(rng: random.Random, jobs: list[Job], source: str, sink: str, reset_at: int | None) -> Stimulus:
-    """Jobs in; a sequencer of sorts that takes tickets and gives rows and banks back some time later.
+def _tickets_taken(rng: random.Random, jobs: list[Job], source: str, sink: str, reset_at: int | None) -> Stimulus:
+    """Jobs in; a simplified sequencer takes the tickets and frees rows and banks some time later.
 
-    The store answers with noise: the fetch unit does not care, and every output is compared all the same.
+    The store returns noise, which does not affect the control of the unit; every output is compared.
     """
     offer, take = willing(source, rng), willing(sink, rng)
     waiting = [pack_job(j) for j in jobs]
-    held: deque[dict[str, int]] = deque()  # tickets taken, not given back
+    held: deque[dict[str, int]] = deque()  # tickets taken whose bank is not yet free
     offered = False
     give = t = 0
-    total = begun = back = 0  # search rows: written, before the oldest ticket's, given back
+    total = begun = back = 0  # search rows: written, before those of the oldest ticket, freed
     valid = sum(1 << s for s in range(8) if VALID[s])
     left = 40
     while left:
@@ -61,12 +61,12 @@ def work(rng: random.Random, jobs: list[Job], source: str, sink: str, reset_at: 
             assert out["ticket_o"] is not None
             ticket = TICKET.unpack(out["ticket_o"])
             if ticket["status"] == Status.OK:
-                assert ticket["row"] == (begun + sum(_rows(h) for h in held)) % RING
+                assert ticket["row"] == (begun + sum(_search_rows(h) for h in held)) % RING
                 held.append(ticket)
         total += ((out["rows_written_o"] or 0) - total) % RING
         if held and out["tpl_done_o"] >> held[0]["bank"] & 1 and next(take):
-            end = begun + _rows(held[0])
-            # Rows go back one by one while the window still fits, the rest with the bank.
+            end = begun + _search_rows(held[0])
+            # Rows are freed one by one while the window still fits, the rest together with the bank.
             if total >= end:
                 if rng.random() < 0.2:
                     begun = back = end
@@ -89,7 +89,7 @@ async def every_clock(dut, source: str, sink: str) -> None:
             counts[name] += bool(out[name])
         counts["ticket"] += bool(out["ticket_valid_o"] and i["ticket_ready_i"])
 
-    await check_cycles(dut, FetchModel(TINY), work(rng, jobs, source, sink, None), count)
+    await check_cycles(dut, FetchModel(TINY), _tickets_taken(rng, jobs, source, sink, None), count)
     assert counts["ticket"] == 20
     assert counts["rd_valid_o"] >= counts["wr_valid_o"] > 500
 
@@ -105,13 +105,13 @@ async def reset_in_work(dut, reset_at: int) -> None:
         nonlocal tickets
         tickets += bool(out["ticket_valid_o"] and i["ticket_ready_i"])
 
-    await check_cycles(dut, FetchModel(TINY), work(rng, jobs, "none", "none", reset_at), count)
+    await check_cycles(dut, FetchModel(TINY), _tickets_taken(rng, jobs, "none", "none", reset_at), count)
     assert tickets >= 10
 
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """The header's figures, from an idle unit."""
+    """The latencies in the header of the module, from an idle unit."""
     job = Job(0, 5, 3, 8, 2, 2, 7, 4, 2, 2)
     at: dict[str, int] = {}
     clock = 0
@@ -130,7 +130,7 @@ async def latency(dut) -> None:
         clock += 1
 
     await check_cycles(dut, FetchModel(TINY), script(), note)
-    align = 1 + 4  # with the register before it
+    align = 1 + 4  # with the register before slog_align
     read = 18
     # Template: two rows of two words, one aligned word each; search: three rows of 9 bits across two words.
     assert at == {"ticket_valid_o": 14, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
@@ -141,7 +141,7 @@ async def latency(dut) -> None:
 @cocotb.test()
 @cocotb.parametrize(words=(1, 2))
 async def full_ring(dut, words: int) -> None:
-    """Rows of one or two words stop when the ring is full to its last row, and go on one by one as rows come free."""
+    """Rows of one or two words stop when the ring is full to its last row, and continue as rows are freed."""
     job = Job(0, 5, 3, 3, 2, 2, 8, 0, 6 * words - 3, 34)
     steps = (0, 1, 2, 3)
     written: list[int] = []

@@ -1,4 +1,4 @@
-"""`slog_grid` against the frame-level grid on every clock."""
+"""`slog_grid` against its cycle model, and so the frame-level grid, on every clock."""
 
 import random
 
@@ -14,11 +14,11 @@ from sim.testbench.runner import simulate
 CLOCKS = 400
 
 
-def commands(rng: random.Random, source: str, sink: str) -> Stimulus:
-    """Random grids, some running off the coordinates, with one reset in mid-grid."""
+def _commands(rng: random.Random, source: str, sink: str) -> Stimulus:
+    """Random grids, some beyond the coordinate range, with one reset in mid-grid."""
     offer, take = willing(source, rng), willing(sink, rng)
     held: Inputs | None = None
-    room = 0  # once there, it stays until a job has come
+    room = 0  # stays set until a job is offered
     for t in range(CLOCKS):
         garbage = {"job_i": rng.getrandbits(JOB.bits), "count_x_i": rng.choice((0, 1, 1, 2, 5)),
                    "count_y_i": rng.choice((0, 1, 1, 2, 4)), "step_x_i": rng.choice((0, 1, 16, 300, 1023)),
@@ -46,7 +46,7 @@ async def every_clock(dut, source: str, sink: str) -> None:
             jobs += 1
             edge += 1023 in (unpack_job(out["job_o"]).tpl_x, unpack_job(out["job_o"]).search_y)
 
-    await check_cycles(dut, GridModel(), commands(rng, source, sink), count)
+    await check_cycles(dut, GridModel(), _commands(rng, source, sink), count)
     assert jobs > CLOCKS // 12 and edge > 0
 
 

@@ -6,11 +6,10 @@ from collections import Counter
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
-from cocotb_tests.env.params import params
 from golden.correlate import Job, Status
 from golden.cycle.correlator.job_check import CHECK_LATENCY, JobCheckModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
-from golden.params import FULL, TINY
+from golden.params import FULL
 from golden.structs import JOB, pack_job
 from golden.traffic.jobs import acceptable, mixed
 from sim.testbench.runner import simulate
@@ -18,8 +17,8 @@ from sim.testbench.runner import simulate
 VALID = [True, False, True, True, False, True, False, False]
 
 
-def asked(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bool) -> Stimulus:
-    """Job after job, at once or after a pause; slots and image size change as soon as they are no longer looked at."""
+def _jobs(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bool) -> Stimulus:
+    """Job after job, at once or after a pause; `slot_valid_i` changes as soon as it is no longer needed."""
     valid = sum(1 << s for s in range(8) if VALID[s])
     for n, job in enumerate(jobs):
         fixed = {"job_i": job, "image_width_i": size[0], "image_height_i": size[1]}
@@ -33,11 +32,11 @@ def asked(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bo
 @cocotb.parametrize(resets=[False, True])
 async def every_clock(dut, resets: bool) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
-    config = TINY if params()["MaxWindow"] == TINY.max_window else FULL
+    config = FULL
     size = (config.max_width - 3, config.max_height - 1)
     jobs = [pack_job(j) for j in mixed(rng, config, size, VALID, 120)]
     jobs += [rng.getrandbits(JOB.bits) for _ in range(40)]
-    # Exactly at the image's edge, and each limit by itself one past it.
+    # Exactly at the edge of the image, and each limit by itself one beyond.
     base = acceptable(rng, config, size)
     w, h = base.width, base.height
     fit = JOB.unpack(pack_job(Job(0, size[0] - w, size[1] - h, w, h, 2, size[0] - w - 1, size[1] - h - 1, 2, 2)))
@@ -51,7 +50,7 @@ async def every_clock(dut, resets: bool) -> None:
             assert out["status_o"] is not None
             seen[Status(out["status_o"])] += 1
 
-    await check_cycles(dut, JobCheckModel(config), asked(rng, jobs, size, resets), count)
+    await check_cycles(dut, JobCheckModel(config), _jobs(rng, jobs, size, resets), count)
     assert sum(seen.values()) == len(jobs) - (len(jobs) // 5 if resets else 0)
     assert all(seen[s] >= 5 for s in Status)
 

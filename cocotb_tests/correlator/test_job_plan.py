@@ -5,10 +5,9 @@ import random
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
-from cocotb_tests.env.params import params
 from golden.cycle.correlator.job_plan import JobPlanModel, plan_latency
 from golden.cycle.model import Inputs, Outputs, Stimulus
-from golden.params import FULL, TINY
+from golden.params import FULL
 from golden.structs import pack_job
 from golden.traffic.jobs import KINDS, acceptable, mixed
 from sim.testbench.runner import simulate
@@ -18,12 +17,12 @@ from sim.testbench.runner import simulate
 @cocotb.parametrize(resets=[False, True])
 async def every_clock(dut, resets: bool) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
-    config = TINY if params()["Width"] == TINY.group_bits else FULL
+    config = FULL
     size = (config.max_width, config.max_height)
     jobs = [acceptable(rng, config, size, kind) for kind in KINDS for _ in range(12)]
     jobs += mixed(rng, config, size, [True] * 8, 30)
     rng.shuffle(jobs)
-    known = 0
+    defined = 0
 
     def asked() -> Stimulus:
         for n, job in enumerate(jobs):
@@ -33,11 +32,11 @@ async def every_clock(dut, resets: bool) -> None:
                 yield {"rst_i": int(cut and t == 2), "start_i": 0, "job_i": pack_job(job)}
 
     def count(_i: Inputs, out: Outputs) -> None:
-        nonlocal known
-        known += out["tpl_o"] is not None
+        nonlocal defined
+        defined += out["tpl_o"] is not None
 
     await check_cycles(dut, JobPlanModel(config), asked(), count)
-    assert known > len(jobs) // 2
+    assert defined > len(jobs) // 2
 
 
 def test_job_plan() -> None:

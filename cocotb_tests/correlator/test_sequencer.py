@@ -1,4 +1,4 @@
-"""`slog_sequencer`, its walker included, against its cycle model on every clock."""
+"""`slog_sequencer`, including its walker, against its cycle model on every clock."""
 
 import random
 from collections import Counter, deque
@@ -19,14 +19,15 @@ from sim.testbench.runner import simulate
 SIZE = (47, 35)
 VALID = [True] * 6 + [False] * 2
 RING = 2 * TINY.ring_rows
+ENDS = ("ticket", "ctx", "row", "load")
 
 
-def model() -> SequencerModel:
+def _model() -> SequencerModel:
     return SequencerModel(TINY.group_bits, TINY.pitch, TINY.ring_rows, drain_clocks(TINY.group_bits, TINY.lanes))
 
 
-def work(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: int | None) -> Stimulus:
-    """A fetch unit of sorts: tickets in order while there is a bank, templates and rows written some time later."""
+def _tickets(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: int | None) -> Stimulus:
+    """A simplified fetch unit: tickets in order while a bank is free, templates and rows written some time later."""
     ends = {name: willing(shape, rng) for name, shape in shapes.items()}
     waiting = deque(jobs)
     loading: deque[tuple[int, int]] = deque()  # (bank, rows still to write)
@@ -79,9 +80,6 @@ def work(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: 
         quiet = 60 if waiting or loading or ticket is not None or out["busy_o"] else quiet - 1
 
 
-ENDS = ("ticket", "ctx", "row", "load")
-
-
 @cocotb.test()
 @cocotb.parametrize(shape=SHAPES, end=("all", *ENDS))
 async def every_clock(dut, shape: str, end: str) -> None:
@@ -101,7 +99,7 @@ async def every_clock(dut, shape: str, end: str) -> None:
             step = STEP.unpack(out["step_o"])
             counts["scores"] += step["lanes"] * step["last"]
 
-    await check_cycles(dut, model(), work(rng, jobs, shapes, None), count)
+    await check_cycles(dut, _model(), _tickets(rng, jobs, shapes, None), count)
     good = [j for j in jobs if check(j, TINY, SIZE, VALID) is Status.OK]
     assert counts["ctx"] == len(jobs) == 12
     assert counts["row"] == sum(j.offsets_y for j in good) > 20
@@ -119,7 +117,7 @@ async def reset_in_work(dut, reset_at: int) -> None:
         nonlocal contexts
         contexts += bool(out["ctx_valid_o"] and i["ctx_ready_i"])
 
-    await check_cycles(dut, model(), work(rng, jobs, dict.fromkeys(ENDS, "none"), reset_at), count)
+    await check_cycles(dut, _model(), _tickets(rng, jobs, dict.fromkeys(ENDS, "none"), reset_at), count)
     assert contexts >= 8
 
 

@@ -7,33 +7,35 @@ import cocotb
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.array.timing import drain_clocks
-from golden.cycle.correlator.walker import WalkerModel, counts
+from golden.cycle.correlator.walker import WalkerModel, row_counts
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
-from golden.structs import ROW, STEP
+from golden.structs import STEP, STEP_ROW
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
-def random_row(rng: random.Random, pitch: int, ring: int) -> int:
+def _random_row(rng: random.Random, pitch: int, ring: int) -> int:
     steps = rng.choice((1, 1, 2, 3, rng.randint(1, 16)))
-    return ROW.pack({
+    return STEP_ROW.pack({
         "final_row": rng.getrandbits(1), "bank": rng.getrandbits(1), "wide": rng.getrandbits(1),
         "odd": rng.getrandbits(1), "ring_row": rng.randrange(ring), "last_lanes": rng.randint(1, pitch + 1),
         "free_to": rng.randrange(2 * ring),
-        **counts(steps, rng.choice((1, 1, 2, 3, 6)), rng.choice((0, 0, 1, pitch)), rng.choice((0, 0, 1, 2, pitch)))})
+        **row_counts(steps, passes=rng.choice((1, 1, 2, 3, 6)), gap_row=rng.choice((0, 0, 1, pitch)),
+                     gap_pass=rng.choice((0, 0, 1, 2, pitch)))})
 
 
-def rows(rng: random.Random, source: str, pitch: int, ring: int, count: int, reset_at: int) -> Stimulus:
+def _rows(rng: random.Random, source: str, pitch: int, ring: int, count: int, reset_at: int) -> Stimulus:
+    """`count` random rows offered by the stall shape `source`, with a reset in clock `reset_at`."""
     offer = willing(source, rng)
     row: int | None = None
     clock = 0
     while count:
         if row is None and next(offer):
-            row = random_row(rng, pitch, ring)
+            row = _random_row(rng, pitch, ring)
         reset = int(clock == reset_at)
         out = yield {"rst_i": reset, "row_valid_i": int(row is not None),
-                     "row_i": rng.getrandbits(ROW.bits) if row is None else row}
+                     "row_i": rng.getrandbits(STEP_ROW.bits) if row is None else row}
         clock += 1
         if row is not None and out["row_ready_o"] and not reset:
             row = None
@@ -58,7 +60,7 @@ async def every_clock(dut, source: str) -> None:
             passes += STEP.unpack(out["step_o"])["last"]
 
     model = WalkerModel(p["Pitch"], p["RingRows"], p["DrainClocks"])
-    await check_cycles(dut, model, rows(rng, source, p["Pitch"], p["RingRows"], 80, 300), count)
+    await check_cycles(dut, model, _rows(rng, source, p["Pitch"], p["RingRows"], 80, 300), count)
     assert steps > 400 and passes > 120 and drained > 50
 
 

@@ -1,1 +1,1 @@
-"""Shared test-bench parts: the cycle checker, stall shapes."""
+"""Parts of every test bench: the cycle checker, a host of the board, an AXI4-Lite master, the parameters."""

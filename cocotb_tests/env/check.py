@@ -1,7 +1,7 @@
 """Compares a module with its cycle model on every clock and every output.
 
 A stimulus is a generator: it yields the inputs of a clock and receives the outputs sampled in that clock. It drives the
-RTL (`check_cycles`) or the model alone (`run_model`), so a stimulus can be debugged without a simulator.
+RTL and its model (`check_cycles`) or the model alone (`run_model`), so it can be debugged without a simulator.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus
 
 HISTORY = 8
+"""Clocks of inputs in the message of a failure."""
 
 
 async def check_cycles(
     dut: Any, model: CycleModel, stimulus: Stimulus, observe: Callable[[Inputs, Outputs], None] | None = None,
     reset_clocks: int = 2,
 ) -> int:
-    """Drive `stimulus` into `dut` and `model` alike and compare every output on every clock.
+    """Drive `stimulus` into `dut` and `model` and compare every output on every clock.
 
     Inputs change just after the rising edge; outputs are sampled at the falling edge, so paths from input to output
     within a clock are checked too. The model sees the reset clocks as well but its outputs there are not compared
@@ -37,7 +38,7 @@ async def check_cycles(
     """
     handles = {name: getattr(dut, name) for name in (*model.INPUTS, *model.OUTPUTS)}
     idle = dict.fromkeys(model.INPUTS, 0)
-    # Reset is up before the first edge, or assertions would see the random power-up state.
+    # Reset is asserted before the first edge: assertions must not see the random power-up state.
     dut.clk_i.value = 0
     for name in model.INPUTS:
         handles[name].value = int(name == "rst_i")

@@ -1,6 +1,6 @@
-"""A host of the whole board as part of a stimulus: registers, cameras and surface sink, played clock by clock.
+"""The surroundings of the whole board as a stimulus: host registers, cameras and surface sink, clock by clock.
 
-A scenario is a generator that yields once a clock and calls the methods here, most of which are generators as well.
+A scenario is a generator that yields once per clock and calls the methods here, most of which are generators too.
 """
 
 from __future__ import annotations
@@ -16,24 +16,25 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import Image, kernels
 from golden.params import Config
 from golden.traffic.stalls import willing
-from golden.traffic.video import Beat
+from golden.traffic.video import Beat, good
 from sim.registers.map import address, fields, word
 
 Script = Generator[None, None, None]
+"""A scenario or a part of one: yields once per clock."""
 RESET_DELAY = 3
-"""Clocks that a reset takes to reach the board's blocks."""
+"""Clocks from `rst_i` to the reset of the blocks."""
 LIMIT = 30_000
-"""Clocks a wait may take."""
+"""Longest wait, clocks."""
 
 
 class Host:
-    """The board's surroundings.
+    """Registers, cameras and surface sink of a board.
 
     Args:
         config: the build.
-        rng: of stalls and of garbage on idle wires.
+        rng: of stalls and of the values on idle wires.
         video: stall shape of the cameras.
-        sink: stall shape of the surface's receiver.
+        sink: stall shape of the surface sink.
         bus: stall shape of the register responses.
     """
 
@@ -49,7 +50,7 @@ class Host:
         self.results: list[Result] = []
         self.size = (config.max_width, config.max_height)
         self.rst = 0
-        self.deaf = False  # what the board says means nothing
+        self.deaf = False  # the outputs of the board are ignored, during and after a reset
         self.irq = 0
         self.stalls = dict.fromkeys(("video", "surface"), 0)
         self._inputs: Inputs = {}
@@ -95,7 +96,11 @@ class Host:
         self.irq = out["irq_o"] or 0
 
     def until(self, done: Callable[[], bool], what: str) -> Script:
-        """Wait."""
+        """Wait until `done()`.
+
+        Raises:
+            AssertionError: naming `what`, after LIMIT clocks.
+        """
         for _ in range(LIMIT):
             if done():
                 return
@@ -103,19 +108,19 @@ class Host:
         raise AssertionError(f"{what}: not within {LIMIT} clocks")
 
     def pause(self, clocks: int) -> Script:
-        """Let time pass."""
+        """Wait for `clocks` clocks."""
         for _ in range(clocks):
             yield
 
     def reset(self, clocks: int = 2) -> Script:
-        """Reset the board, whatever is under way; the cameras lose the rest of their frames."""
+        """Reset the board for `clocks` clocks, whatever it does; the cameras lose the rest of their frames."""
         self.rst, self.deaf = 1, True
         for beats in self.beats:
             beats.clear()
         self.held = [False] * self.config.cameras
         self.surface.clear()
         self.size = (self.config.max_width, self.config.max_height)
-        # What the bus had under way is gone; its request wires fall with the reset.
+        # The reset ends every bus access; no request is asserted during it.
         self.master.reset()
         yield from self.pause(clocks)
         self.rst = 0
@@ -131,12 +136,12 @@ class Host:
         return fields()[field].unpack(access.data)
 
     def write(self, register: str, **values: int) -> Script:
-        """Write a register; fields not named become 0."""
+        """Write a register; fields that are not given become 0."""
         access = self.master.write(address(register), word(register, **values))
         yield from self.until(lambda: access.done, f"write of {register}")
 
     def set_up(self, sigma: float, size: tuple[int, int]) -> Script:
-        """Filter and image size, and wait until they are in use."""
+        """Write coefficients and image size (width, height), and wait until they are in use."""
         for second, kernel in enumerate(kernels(sigma, self.config.radius)):
             for index, value in enumerate(kernel):
                 self.master.write(address("coef"), word("coef", value=int(value), second=second, index=index, go=1))
@@ -150,22 +155,20 @@ class Host:
     # Frames
     def show(self, camera: int, image: Image) -> None:
         """Queue a good frame on a camera."""
-        last = image.shape[1] - 1
-        self.beats[camera].extend((int(p), int(y == 0 and x == 0), int(x == last))
-                                  for y, line in enumerate(image) for x, p in enumerate(line))
+        self.beats[camera].extend(good(image).beats)
 
     def arm(self, camera: int, slot: int) -> Script:
-        """Ask for the camera's next frame."""
+        """Request the capture of the camera's next frame into `slot`."""
         yield from self.write("capture", camera=camera, slot=slot, go=1)
         assert not (yield from self.read("slot_status.refused"))
 
     def captured(self) -> Script:
-        """Wait until no camera has a request left."""
+        """Wait until no capture is pending."""
         while (yield from self.read("slot_status.armed")):
             pass
 
     def plane(self, slot: int) -> Generator[None, None, list[list[int]]]:
-        """A slot's sign bits."""
+        """The sign bits of a slot, (height, width) rows of 0/1, read back through the peek port."""
         c = self.config
         rows: list[list[int]] = []
         for y in range(self.size[1]):
@@ -179,7 +182,7 @@ class Host:
 
     # Jobs
     def submit(self, job: Job, count: tuple[int, int] = (1, 1), step: tuple[int, int] = (0, 0)) -> Script:
-        """Hand a job or grid to the board, ready or not."""
+        """Submit a job, or a grid of `count` jobs `step` pixels apart, whether the board is ready or not."""
         (tpl_slot, tpl_x, tpl_y, width, height, slot, x, y, across, down, tag, surface) = map(int, astuple(job))
         for register, values in (
                 ("job.tpl", {"slot": tpl_slot, "x": tpl_x, "y": tpl_y}),
@@ -190,7 +193,7 @@ class Host:
         yield from self.write("job.submit", tag=tag, surface=surface, go=1)
 
     def collect(self, count: int) -> Script:
-        """Take the next `count` results off the board into `results`."""
+        """Read and pop the next `count` results into `results`."""
         for _ in range(count):
             while not (yield from self.read("result.head.valid")):
                 pass
@@ -205,10 +208,10 @@ class Host:
                     around.append((yield from self.read(f"result.neighbour[{k}].{half}")))
             runner_up = yield from self.read("result.scores.runner_up")
             yield from self.write("result.pop", go=1)
-            self.results.append(Result(tag, Status(status), x, y, score, neighbours(around), runner_up))
+            self.results.append(Result(tag, Status(status), x, y, score, _neighbours(around), runner_up))
 
 
-def neighbours(values: list[int]) -> Neighbours:
+def _neighbours(values: list[int]) -> Neighbours:
     """Eight scores as a tuple of that length."""
     n0, n1, n2, n3, n4, n5, n6, n7 = values
     return n0, n1, n2, n3, n4, n5, n6, n7

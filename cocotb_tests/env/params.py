@@ -1,4 +1,4 @@
-"""The module parameters a build was made with."""
+"""The parameters of the module under test."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ import os
 
 
 def params() -> dict[str, int]:
-    """Parameters given to `sim.runner.simulate`, by name."""
+    """Parameters given to `sim.testbench.runner.simulate`, by name."""
     values: dict[str, int] = json.loads(os.environ["SLOG_PARAMS"])
     return values

@@ -7,15 +7,15 @@ import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.frontend.fir import FirModel, levels
+from golden.cycle.frontend.fir import FirModel, adder_levels
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
-def windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
+def _windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
-    radius, latency = p["Radius"], 6 + levels(p["Radius"])
+    radius, latency = p["Radius"], 6 + adder_levels(p["Radius"])
     bits = p["DataW"] * (2 * radius + 1)
     offer = willing(shape, rng)
     for run in range(12):
@@ -40,7 +40,7 @@ async def every_clock(dut, shape: str) -> None:
             values.add(out["sum_o"])
 
     model = FirModel(p["Radius"], p["DataW"], p["Kernels"], p["SumW"], p["Bias"])
-    await check_cycles(dut, model, windows(random.Random(cocotb.RANDOM_SEED), shape, p), count)
+    await check_cycles(dut, model, _windows(random.Random(cocotb.RANDOM_SEED), shape, p), count)
     assert len(values) > 100
 
 

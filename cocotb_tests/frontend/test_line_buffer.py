@@ -12,7 +12,7 @@ from golden.params import TINY
 from sim.testbench.runner import simulate
 
 
-def lines(rng: random.Random, width: int, radius: int, count: int) -> Stimulus:
+def _lines(rng: random.Random, width: int, radius: int, count: int) -> Stimulus:
     """Whole lines with every border distance, pauses between them, and a reset in mid-line once."""
     for n in range(count):
         bottom, dist = rng.getrandbits(1), rng.randint(0, radius)
@@ -39,7 +39,7 @@ async def every_clock(dut, width: int) -> None:
         full += out["window_o"] is not None
 
     model = LineBufferModel(p["MaxWidth"], p["Radius"])
-    await check_cycles(dut, model, lines(rng, width, p["Radius"], 70), count)
+    await check_cycles(dut, model, _lines(rng, width, p["Radius"], 70), count)
     assert full > 40 * width
 
 

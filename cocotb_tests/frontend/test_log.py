@@ -7,8 +7,8 @@ import numpy as np
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.bits import pack
-from golden.cycle.frontend.log import LogModel
+from golden.cycle.bits import pack_coefs
+from golden.cycle.frontend.log import LogModel, pixel_inputs
 from golden.cycle.frontend.video_in import VideoInModel
 from golden.cycle.model import Inputs, Outputs, Stimulus, run_model
 from golden.log import kernels
@@ -18,28 +18,28 @@ from golden.traffic.video import bad, good, play, texture
 from sim.testbench.runner import simulate
 
 
-def recorded(rng: random.Random, radius: int, width: int, height: int, shape: str) -> list[Inputs]:
-    """Inputs of every clock of a few frames, good ones and one that dies half-way."""
+def _recorded(rng: random.Random, radius: int, width: int, height: int, shape: str) -> list[Inputs]:
+    """Inputs of every clock of a few frames, good ones and one that is dropped half-way."""
     clocks: list[Inputs] = []
     faint = np.random.default_rng(1).integers(126, 130, (height, width), dtype=np.uint8)
     items = [good(texture(rng, width, height)), good(texture(rng, width, height)),
              bad("cut_line", texture(rng, width, height), rng), good(texture(rng, width, height)), good(faint)]
     run_model(VideoInModel(radius), play(items, {"width_i": width, "height_i": height}, willing(shape, rng), rng),
-              lambda i, out: clocks.append({f"{k[:-2]}_i": v or 0 for k, v in out.items() if k.startswith("px_")}))
+              lambda _, out: clocks.append(pixel_inputs(out)))
     return clocks
 
 
 @cocotb.test()
 @cocotb.parametrize(size=((18, 18), (31, 20), (48, 19)), sigma=(1.0, 4.0, None))
 async def every_clock(dut, size: tuple[int, int], sigma: float | None) -> None:
-    """LoG kernels, and a small pair that lets the rounding between the passes decide over many signs."""
+    """LoG kernels, and small ones under which the rounding between the passes decides many signs."""
     p = params()
     rng = random.Random(cocotb.RANDOM_SEED)
     shape = rng.choice(("none", "random"))
     rest = (0,) * (p["Radius"] - 2)
     g, g2 = kernels(sigma, p["Radius"]) if sigma else ((33, 15, *rest, 1), (-62, 30, *rest, 1))
-    coefs = {"g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
-    clocks = recorded(rng, p["Radius"], *size, shape)
+    coefs = {"g_i": pack_coefs(g), "g2_i": pack_coefs(g2)}
+    clocks = _recorded(rng, p["Radius"], *size, shape)
     bits = [0, 0]
 
     def stimulus() -> Stimulus:

@@ -13,8 +13,8 @@ from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
-def rows(rng: random.Random, shape: str, group: int) -> Stimulus:
-    """Rows of every length around the word's, some cut off by an abort, one reset."""
+def _rows(rng: random.Random, shape: str, group: int) -> Stimulus:
+    """Rows of 1 bit to a little more than three words, some cut off by an abort; one reset."""
     offer = willing(shape, rng)
     for n in range(60):
         length = rng.randint(1, 3 * group + 1)
@@ -43,7 +43,7 @@ async def every_clock(dut, shape: str) -> None:
         nonlocal words
         words += out["word_valid_o"] or 0
 
-    await check_cycles(dut, PackerModel(group), rows(random.Random(cocotb.RANDOM_SEED), shape, group), count)
+    await check_cycles(dut, PackerModel(group), _rows(random.Random(cocotb.RANDOM_SEED), shape, group), count)
     assert words > 60
 
 

@@ -12,8 +12,8 @@ from golden.params import TINY
 from sim.testbench.runner import simulate
 
 
-def lines(rng: random.Random, radius: int, width: int) -> Stimulus:
-    """Lines from the shortest allowed on, pauses of every length up to past the window; resets in mid-line."""
+def _lines(rng: random.Random, radius: int, width: int) -> Stimulus:
+    """Lines of the shortest length and more, with pauses of up to more than the window; resets in mid-line."""
     for count in range(60):
         length = rng.randint(2 * radius + 2, width)
         cut = rng.randrange(length) if count % 20 == 19 else length
@@ -38,7 +38,7 @@ async def every_clock(dut) -> None:
         nonlocal valid
         valid += out["valid_o"] or 0
 
-    await check_cycles(dut, TapsModel(radius), lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
+    await check_cycles(dut, TapsModel(radius), _lines(random.Random(cocotb.RANDOM_SEED), radius, 40), count)
     assert valid > 50 * (2 * radius + 2)
 
 

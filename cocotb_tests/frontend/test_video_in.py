@@ -36,7 +36,7 @@ async def every_clock(dut, source: str, held: bool) -> None:
     settings = {"width_i": WIDTH, "height_i": HEIGHT}
     await check_cycles(dut, VideoInModel(params()["Radius"]),
                        play(items, settings, willing(source, rng), rng, gap=40, hold=hold), count)
-    if not held:  # hold keeps surplus lines out until the frame before has left
+    if not held:  # under hold, surplus lines wait until the frame before has left
         assert counts["accepted_o"] == sum(i.good is not None for i in items)
     assert counts["dropped_o"] == sum(i.drops for i in items)
     assert counts["px_done_o"] == counts["accepted_o"] >= 3
@@ -73,7 +73,7 @@ async def reset_in_mid_frame(dut) -> None:
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """The first pixel of a line that finds everything idle comes 6 clocks after the line's last pixel went in."""
+    """From idle, the first pixel of a line follows its last beat by 6 clocks."""
     rng = random.Random(cocotb.RANDOM_SEED)
     last_in: list[int] = []
     first_out: list[int] = []

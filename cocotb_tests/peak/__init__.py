@@ -1,0 +1,1 @@
+"""Tests of the peak unit and its parts."""

@@ -13,13 +13,13 @@ from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 
-def model() -> PeakModel:
+def _model() -> PeakModel:
     p = params()
     return PeakModel(p["MaxOffsets"], p["ScoreDepth"], p["ResultDepth"])
 
 
-def mixed_tasks(rng: random.Random, count: int, widest: int) -> list[PeakTask]:
-    """Jobs of all small shapes, ties, refused ones, and one as wide as it gets."""
+def _mixed_tasks(rng: random.Random, count: int, widest: int) -> list[PeakTask]:
+    """Jobs of all small shapes, ties, refused ones, and one of the largest width."""
     area = 1 << params()["ScoreBits"] - 1
     tasks = []
     for k in range(count):
@@ -33,8 +33,8 @@ def mixed_tasks(rng: random.Random, count: int, widest: int) -> list[PeakTask]:
     return tasks
 
 
-async def run(dut, traffic: PeakTraffic) -> PeakTraffic:
-    clocks = await check_cycles(dut, model(), traffic.stimulus())
+async def _run(dut, traffic: PeakTraffic) -> PeakTraffic:
+    clocks = await check_cycles(dut, _model(), traffic.stimulus())
     assert clocks == traffic.clocks > 100
     traffic.check()
     return traffic
@@ -44,14 +44,14 @@ async def run(dut, traffic: PeakTraffic) -> PeakTraffic:
 @cocotb.parametrize(shape=SHAPES)
 async def results_stalled(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
-    await run(dut, PeakTraffic(mixed_tasks(rng, 30, params()["MaxOffsets"]), rng, results=willing(shape, rng)))
+    await _run(dut, PeakTraffic(_mixed_tasks(rng, 30, params()["MaxOffsets"]), rng, results=willing(shape, rng)))
 
 
 @cocotb.test()
 @cocotb.parametrize(shape=SHAPES)
 async def surface_stalled(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 1)
-    await run(dut, PeakTraffic(mixed_tasks(rng, 20, params()["MaxOffsets"]), rng, surface=willing(shape, rng),
+    await _run(dut, PeakTraffic(_mixed_tasks(rng, 20, params()["MaxOffsets"]), rng, surface=willing(shape, rng),
                                results=willing("cyclic", rng)))
 
 
@@ -59,17 +59,17 @@ async def surface_stalled(dut, shape: str) -> None:
 @cocotb.parametrize(shape=SHAPES[1:])
 async def gaps_between_scores(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 2)
-    tasks = mixed_tasks(rng, 20, params()["MaxOffsets"])
-    await run(dut, PeakTraffic(tasks, rng, scores=willing(shape, rng), latency=3))
+    tasks = _mixed_tasks(rng, 20, params()["MaxOffsets"])
+    await _run(dut, PeakTraffic(tasks, rng, scores=willing(shape, rng), latency=3))
 
 
 @cocotb.test()
 async def full_result_queue(dut) -> None:
-    """No host for a long time: the queue fills, the array stops, and nothing is lost."""
+    """No result is taken for a long time: the queue fills, the array stops, and nothing is lost."""
     rng = random.Random(cocotb.RANDOM_SEED + 3)
     tasks = [random_task(rng, 6, 3, 256) for _ in range(3 * params()["ResultDepth"] + 20)]
     wait = 40 * len(tasks)
-    t = await run(dut, PeakTraffic(tasks, rng, results=iter([0] * wait + [1] * 10**5)))
+    t = await _run(dut, PeakTraffic(tasks, rng, results=iter([0] * wait + [1] * 10**5)))
     assert t.waits > wait // 4
 
 
@@ -78,7 +78,7 @@ async def equal_jobs_never_wait(dut) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 4)
     for cols, rows, period in ((33, 3, 1), (9, 5, 1), (3, 4, 8)):
         tasks = [random_task(rng, cols, rows, 256, latency) for latency in (0, 256) * 5]
-        t = await run(dut, PeakTraffic(tasks, rng, period=period, latency=12))
+        t = await _run(dut, PeakTraffic(tasks, rng, period=period, latency=12))
         assert t.waits <= 8
         assert t.clocks <= 10 * rows * max(cols, period) + 12 + 2 * cols + 48
 
@@ -87,7 +87,7 @@ async def equal_jobs_never_wait(dut) -> None:
 async def reset_in_mid_work(dut) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 5)
     for reset_at in (61, 148, 233):
-        await run(dut, PeakTraffic(mixed_tasks(rng, 12, 20), rng, reset_at=reset_at, results=willing("random", rng)))
+        await _run(dut, PeakTraffic(_mixed_tasks(rng, 12, 20), rng, reset_at=reset_at, results=willing("random", rng)))
 
 
 @pytest.mark.parametrize(("max_offsets", "score_bits", "score_depth", "result_depth", "testcase"), [

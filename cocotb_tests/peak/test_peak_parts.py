@@ -1,4 +1,4 @@
-"""The parts of `slog_peak`, each against its cycle model on every clock."""
+"""The parts of `slog_peak`, each against its cycle model on every clock, all in one bench (`tb_peak_parts`)."""
 
 import random
 from collections import Counter
@@ -9,27 +9,27 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.correlate import Status
 from golden.cycle.cells.stage import StageModel
-from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus
-from golden.cycle.peak.best import BestModel
-from golden.cycle.peak.collect import CollectModel
-from golden.cycle.peak.intake import IntakeModel
-from golden.cycle.peak.room import RoomModel
-from golden.cycle.peak.rows import RowsModel
+from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus, Values
+from golden.cycle.peak.peak import BANKS
+from golden.cycle.peak.peak_best import PeakBestModel
+from golden.cycle.peak.peak_collect import PeakCollectModel
+from golden.cycle.peak.peak_intake import PeakIntakeModel
+from golden.cycle.peak.peak_room import PeakRoomModel
+from golden.cycle.peak.peak_rows import PeakRowsModel
+from golden.cycle.peak.peak_scan import PeakScanModel
 from golden.cycle.peak.running_max import RunningMaxModel
-from golden.cycle.peak.scan import ScanModel
-from golden.cycle.peak.structs import OUTCOME, PRESENT, ROW, SCAN, SCORING
+from golden.cycle.peak.structs import OUTCOME, PRESENT, SCAN, SCORE_ROW, SCORING
 from golden.params import SCORE_BITS
 from golden.structs import CONTEXT, Layout
 from golden.traffic.stalls import SHAPES, willing
 from sim.testbench.runner import simulate
 
 CLOCKS = 600
-BANKS = 4
 FEW = 3
-"""Scores that differ little make ties."""
+"""Largest score where ties are wanted."""
 
 
-class SideBySide:
+class _SideBySide:
     """Several cycle models as one, the names of each behind a prefix."""
 
     def __init__(self, **parts: CycleModel) -> None:
@@ -37,24 +37,24 @@ class SideBySide:
         self.INPUTS = ("rst_i", *(f"{p}_{n}" for p, m in parts.items() for n in m.INPUTS if n != "rst_i"))
         self.OUTPUTS = tuple(f"{p}_{n}" for p, m in parts.items() for n in m.OUTPUTS)
 
-    def step(self, i: Inputs) -> dict[str, int | None]:
-        out: dict[str, int | None] = {}
+    def step(self, i: Inputs) -> Values:
+        out: Values = {}
         for p, model in self.parts.items():
             own = {n: i["rst_i"] if n == "rst_i" else i[f"{p}_{n}"] for n in model.INPUTS}
             out |= {f"{p}_{n}": v for n, v in model.step(own).items()}
         return out
 
 
-def anything(rng: random.Random, layout: Layout, **fixed: int) -> int:
+def _anything(rng: random.Random, layout: Layout, **fixed: int) -> int:
     return layout.pack({name: fixed.get(name, rng.getrandbits(bits)) for name, bits in layout.fields})
 
 
-def maybe(rng: random.Random, top: int) -> int:
+def _maybe(rng: random.Random, top: int) -> int:
     """A score that may be absent."""
     return PRESENT + rng.randint(0, top) if rng.random() < 0.8 else 0
 
 
-def stage(rng: random.Random, shape: str) -> Stimulus:
+def _stage(rng: random.Random, shape: str) -> Stimulus:
     offer, take = willing("random", rng), willing(shape, rng)
     held = 0
     while True:
@@ -63,7 +63,7 @@ def stage(rng: random.Random, shape: str) -> Stimulus:
         held *= not out["in_ready_o"]
 
 
-def room(rng: random.Random, shape: str) -> Stimulus:
+def _room(rng: random.Random, shape: str) -> Stimulus:
     widest, ask, leave = params()["MaxOffsets"], willing(shape, rng), willing("random", rng)
     held = 0
     while True:
@@ -73,19 +73,19 @@ def room(rng: random.Random, shape: str) -> Stimulus:
         held += i["row_offsets_i"] * (i["row_valid_i"] and out["row_ready_o"]) - i["taken_i"]
 
 
-def rows(rng: random.Random, shape: str) -> Stimulus:
+def _rows(rng: random.Random, shape: str) -> Stimulus:
     offer, take = willing("random", rng), willing(shape, rng)
     there = 0
     while True:
         ok = rng.random() < 0.7
-        ctx = anything(rng, CONTEXT, status=0 if ok else rng.randint(1, 4), offsets_x=rng.choice((1, 2, 3, 640)),
+        ctx = _anything(rng, CONTEXT, status=0 if ok else rng.randint(1, 4), offsets_x=rng.choice((1, 2, 3, 640)),
                        offsets_y=rng.randint(1, 5) if ok else rng.getrandbits(10))
         i = {"ctx_valid_i": next(offer), "ctx_i": ctx, "row_taken_i": int(there and next(take))}
         out = yield i
         there = not i["row_taken_i"] and out["row_coming_o"]
 
 
-def intake(rng: random.Random, shape: str) -> Stimulus:
+def _intake(rng: random.Random, shape: str) -> Stimulus:
     scores, surf = willing(shape, rng), willing("cyclic", rng)
     used, coming, row, taken = 0, None, None, 0
     top = (1 << params()["ScoreBits"]) - 1
@@ -93,7 +93,7 @@ def intake(rng: random.Random, shape: str) -> Stimulus:
         last_x = rng.choice((0, 0, 1, 2, 9, 40))
         coming = coming or {"row_refused_i": int(rng.random() < 0.1), "row_last_x_i": last_x,
                             "row_first_i": rng.getrandbits(1), "row_last_i": rng.getrandbits(1),
-                            "scoring_i": anything(rng, SCORING, area=rng.randint(1, 256), one=int(last_x == 0),
+                            "scoring_i": _anything(rng, SCORING, area=rng.randint(1, 256), one=int(last_x == 0),
                                                   two=int(last_x == 1))}
         area = row["scoring_i"] % PRESENT if row else top
         i = {**coming, "row_coming_i": int(rng.random() < 0.9), "mismatch_valid_i": next(scores),
@@ -101,14 +101,14 @@ def intake(rng: random.Random, shape: str) -> Stimulus:
              "released_i": rng.randint(0, min(used, 2)) if rng.random() < 0.2 else 0}
         out = yield i
         used -= i["released_i"]
-        # A row stays for one clock after it was taken.
+        # A row remains for one clock after it was taken.
         coming = None if taken else coming
         taken = out["row_taken_o"]
         if taken:
             used, row = used + 1, coming
 
 
-def running_max(rng: random.Random, shape: str) -> Stimulus:
+def _running_max(rng: random.Random, shape: str) -> Stimulus:
     offer = willing(shape, rng)
     while True:
         count = rng.choice((1, 1, 2, 3, 4, 17))
@@ -121,8 +121,8 @@ def running_max(rng: random.Random, shape: str) -> Stimulus:
                    "in_value_i": rng.randint(0, top), "in_index_i": start + k}
 
 
-def best(rng: random.Random, shape: str) -> Stimulus:
-    """Rows of jobs; of the rows waiting, some have come in."""
+def _best(rng: random.Random, shape: str) -> Stimulus:
+    """Rows of jobs; the maxima of some of the waiting rows have arrived."""
     take, room_there = willing(shape, rng), willing("cyclic", rng)
     waiting: list[int] = []
     tops: list[tuple[int, int]] = []
@@ -134,9 +134,9 @@ def best(rng: random.Random, shape: str) -> Stimulus:
                 y, top = 0, rng.choice((0, FEW, PRESENT - 1))
                 status = rng.choice((0, 0, 0, rng.randint(1, 4)))
                 left = 1 if status else rng.randint(1, 6)
-            waiting.append(anything(rng, ROW, status=status, first=int(y == 0), last=int(left == 1), y=y))
+            waiting.append(_anything(rng, SCORE_ROW, status=status, first=int(y == 0), last=int(left == 1), y=y))
             y, left = y + 1, left - 1
-        pending = sum(ROW.unpack(w)["status"] == Status.OK for w in waiting)
+        pending = sum(SCORE_ROW.unpack(w)["status"] == Status.OK for w in waiting)
         tops += [coming] if coming else []
         coming = (rng.randint(0, top), rng.getrandbits(10)) if len(tops) < pending and rng.random() < 0.6 else None
         out = yield {"row_valid_i": int(bool(waiting)), "row_i": waiting[0] if waiting else rng.getrandbits(41),
@@ -149,14 +149,14 @@ def best(rng: random.Random, shape: str) -> Stimulus:
             tops.pop(0)
 
 
-def scan(rng: random.Random, shape: str) -> Stimulus:
+def _scan(rng: random.Random, shape: str) -> Stimulus:
     offer = willing(shape, rng)
     data, room = [0] * BANKS, 0
     while True:
         last_x = rng.choice((0, 0, 1, 2, 6, 23))
         top = rng.choice((1, FEW, PRESENT - 1))
         only = int(not last_x or rng.random() < 0.2)
-        order = anything(rng, SCAN, only=only, brief=int(only or last_x == 1), last_x=last_x,
+        order = _anything(rng, SCAN, only=only, brief=int(only or last_x == 1), last_x=last_x,
                          best_x=rng.choice((0, last_x, rng.randint(0, last_x))))
         while True:
             data = [rng.randint(0, top) for _ in range(BANKS)]
@@ -168,31 +168,31 @@ def scan(rng: random.Random, shape: str) -> Stimulus:
                 break
 
 
-def collect(rng: random.Random, shape: str) -> Stimulus:
+def _collect(rng: random.Random, shape: str) -> Stimulus:
     ends = willing(shape, rng)
-    # A job begins with a first column and a row that holds its best.
-    yield {"near_first_i": 1, "far_valid_i": 1, "far_i": maybe(rng, FEW),
-           "outcome_i": anything(rng, OUTCOME, fresh=1, other=maybe(rng, FEW), score=maybe(rng, FEW))}
+    # A job begins with a first column, and a first row holds the best so far.
+    yield {"near_first_i": 1, "far_valid_i": 1, "far_i": _maybe(rng, FEW),
+           "outcome_i": _anything(rng, OUTCOME, fresh=1, other=_maybe(rng, FEW), score=_maybe(rng, FEW))}
     far = 1
     while True:
         top = rng.choice((1, FEW, PRESENT - 1))
         far = int(not far and next(ends))
         flags = {f"near_{n}_i": int(rng.random() < 0.3) for n in ("first", "end", "west", "centre", "east")}
-        yield {**flags, "far_valid_i": far, "far_i": maybe(rng, top),
-               **{f"near_{n}_i": maybe(rng, top) for n in ("above", "middle", "below")},
-               "outcome_i": anything(rng, OUTCOME, other=maybe(rng, top), score=maybe(rng, top))}
+        yield {**flags, "far_valid_i": far, "far_i": _maybe(rng, top),
+               **{f"near_{n}_i": _maybe(rng, top) for n in ("above", "middle", "below")},
+               "outcome_i": _anything(rng, OUTCOME, other=_maybe(rng, top), score=_maybe(rng, top))}
 
 
-TRAFFIC = {"stage": stage, "half": stage, "room": room, "rows": rows, "intake": intake, "max": running_max,
-           "best": best, "scan": scan, "collect": collect}
+TRAFFIC = {"stage": _stage, "half": _stage, "room": _room, "rows": _rows, "intake": _intake, "max": _running_max,
+           "best": _best, "scan": _scan, "collect": _collect}
 COUNTED = ("stage_out_valid_o", "half_out_valid_o", "room_row_ready_o", "rows_row_coming_o",
            "intake_score_valid_o", "intake_surf_valid_o",
            "max_out_valid_o", "best_order_valid_o", "scan_near_first_o", "scan_far_valid_o", "collect_around_valid_o",
            "collect_verdict_valid_o")
 
 
-def together(rng: random.Random, shape: str) -> Stimulus:
-    """All traffic in step, begun anew after a reset in the middle."""
+def _together(rng: random.Random, shape: str) -> Stimulus:
+    """All stimuli in parallel, begun anew after a reset in the middle."""
     for _ in range(2):
         running = {p: make(rng, shape) for p, make in TRAFFIC.items()}
         wanted = {p: next(g) for p, g in running.items()}
@@ -214,11 +214,11 @@ async def every_clock(dut, shape: str) -> None:
         seen.update(n for n in COUNTED if out[n])
 
     p = params()
-    model = SideBySide(stage=StageModel(), half=StageModel(half=True), rows=RowsModel(),
-                       room=RoomModel(p["ScoreDepth"], p["MaxOffsets"]),
-                       intake=IntakeModel(BANKS), max=RunningMaxModel(), best=BestModel(), scan=ScanModel(BANKS),
-                       collect=CollectModel())
-    await check_cycles(dut, model, together(rng, shape), count)
+    model = _SideBySide(stage=StageModel(), half=StageModel(half=True), rows=PeakRowsModel(),
+                       room=PeakRoomModel(p["ScoreDepth"], p["MaxOffsets"]),
+                       intake=PeakIntakeModel(BANKS), max=RunningMaxModel(), best=PeakBestModel(),
+                       scan=PeakScanModel(BANKS), collect=PeakCollectModel())
+    await check_cycles(dut, model, _together(rng, shape), count)
     assert all(seen[n] >= 10 for n in COUNTED), seen
 
 

@@ -1,0 +1,1 @@
+"""Tests of the bit-plane store and of the captures."""

@@ -20,7 +20,7 @@ CLOCKS = 3000
 
 
 @dataclass
-class Wire:
+class _Wire:
     """One camera's front-end outputs in a clock."""
 
     valid: int = 0
@@ -32,8 +32,8 @@ class Wire:
 
 
 @dataclass
-class Seen:
-    """What the test watched happen."""
+class _Counts:
+    """Events of a run, and what was written by address."""
 
     captures: int = 0
     aborted: int = 0
@@ -43,38 +43,40 @@ class Seen:
     memory: dict[int, int] = field(default_factory=dict)
 
 
-def camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) -> Iterator[Wire]:
-    """Endless frames of `rows` x 1..`words` words; four in ten aborted half-way. Tight: no pause but what the
-    narrowest image enforces: two words together at a row's end, then eight clocks."""
+def _camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) -> Iterator[_Wire]:
+    """Endless frames of `rows` x 1..`words` words; four in ten aborted half-way.
+
+    Tight: only the pauses of the narrowest image, two words together at the end of a row, then eight clocks.
+    """
     while True:
         for _ in range(0 if tight else rng.randrange(60)):
-            yield Wire(data=rng.getrandbits(bits))
-        yield Wire(start=1)
+            yield _Wire(data=rng.getrandbits(bits))
+        yield _Wire(start=1)
         across = rng.randint(1, words)
         total = rows * across
         stop = rng.randrange(total) if rng.random() < 0.4 else None
         for _ in range(6 if tight else rng.randrange(6, 20)):
-            yield Wire(data=rng.getrandbits(bits))
+            yield _Wire(data=rng.getrandbits(bits))
         for k in range(total):
             if k == stop:
-                yield Wire(abort=1)
+                yield _Wire(abort=1)
                 break
             end = k % across == across - 1
             final = k == total - 1
             together = final and rng.random() < 0.5
-            yield Wire(1, rng.getrandbits(bits), int(end), done=int(together))
+            yield _Wire(1, rng.getrandbits(bits), int(end), done=int(together))
             if final and not together:
-                yield Wire(done=1)
+                yield _Wire(done=1)
             if k % across != across - 2:
                 for _ in range(7 if tight else rng.randrange(1, 9)):
-                    yield Wire(data=rng.getrandbits(bits))
+                    yield _Wire(data=rng.getrandbits(bits))
 
 
-def traffic(rng: random.Random, p: dict[str, int], tight: bool, resets: bool) -> Stimulus:
+def _frames_and_commands(rng: random.Random, p: dict[str, int], tight: bool, resets: bool) -> Stimulus:
     """Frames on every camera, commands good and bad, busy slots."""
     cameras, bits = p["Cameras"], p["GroupBits"]
     rows = p["SlotWords"] // p["WordsPerRow"]
-    feeds = [camera(rng, rows, p["WordsPerRow"], bits, tight) for _ in range(cameras)]
+    feeds = [_camera(rng, rows, p["WordsPerRow"], bits, tight) for _ in range(cameras)]
     busy = 0
     out: Outputs = {"writing_o": 0}
     for t in range(CLOCKS):
@@ -98,7 +100,7 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
     p = params()
     rng = random.Random(cocotb.RANDOM_SEED)
     model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
-    seen = Seen()
+    seen = _Counts()
     # Per camera: words by place in the slot.
     frames: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
     whole: list[dict[int, int]] = [{} for _ in range(p["Cameras"])]
@@ -129,7 +131,7 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
                 slot = model.channels[c].slot
                 base = slot * p["SlotWords"]
                 stored = {k: seen.memory.get(base + k) for k in whole[c]}
-                if not commands[0]:  # else the slot may be another by now
+                if not commands[0]:  # otherwise the channel may already hold another slot
                     assert stored == whole[c], f"slot {slot} does not hold camera {c}'s frame"
                     seen.captures += 1
             seen.both += out["writing_o"] != 0
@@ -138,12 +140,12 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
         before.update(writing_o=out["writing_o"], armed_o=out["armed_o"])
         commands.append(i["cmd_valid_i"])
 
-    assert await check_cycles(dut, model, traffic(rng, p, tight, resets), watch) == CLOCKS
+    assert await check_cycles(dut, model, _frames_and_commands(rng, p, tight, resets), watch) == CLOCKS
     assert seen.captures >= 4 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 1
     assert p["Cameras"] == 1 or seen.both >= 1
 
 
-def burst(p: dict[str, int]) -> Stimulus:
+def _burst(p: dict[str, int]) -> Stimulus:
     """One frame of single words, 12 clocks apart, into slot 1 of an idle unit."""
     yield {"cmd_valid_i": 1, "cmd_slot_i": 1}
     yield {}
@@ -179,7 +181,7 @@ async def latency(dut) -> None:
         if out["slot_valid_o"]:
             marks.setdefault("valid", t)
 
-    await check_cycles(dut, model, burst(p), watch)
+    await check_cycles(dut, model, _burst(p), watch)
     assert [t - w for (t, _, _), w in zip(writes, words, strict=True)] == [5 + HOPS] * p["SlotWords"]
     assert [(a, d) for _, a, d in writes] == [(p["SlotWords"] + k, k) for k in range(p["SlotWords"])]
     assert marks["valid"] - marks["done"] == 5 + HOPS

@@ -14,7 +14,7 @@ from sim.testbench.runner import simulate
 CLOCKS = 1500
 
 
-def traffic(rng: random.Random, words: int, width: int, reads: str, peeks: str) -> Stimulus:
+def _accesses(rng: random.Random, words: int, width: int, reads: str, peeks: str) -> Stimulus:
     """Writes, reads and peeks at hot addresses and at bank edges; no read of what was written in the clock before."""
     hot = [0, words - 1, *rng.sample(range(words), 12), *(k for k in range(511, words, 512)), *range(512, words, 512)]
     read, peek = willing(reads, rng), willing(peeks, rng)
@@ -51,15 +51,15 @@ async def every_clock(dut, reads: str, peeks: str) -> None:
             values.add(out["rd_data_o"])
 
     p = params()
-    await check_cycles(dut, StoreModel(p["Words"]), traffic(rng, p["Words"], p["Width"], reads, peeks), count)
+    await check_cycles(dut, StoreModel(p["Words"]), _accesses(rng, p["Words"], p["Width"], reads, peeks), count)
     assert len(values) > 100
-    # Reads in every clock leave a peek nothing.
+    # Reads in every clock leave no clock for a peek.
     assert done == 0 if reads == "none" else done > 15
 
 
 @cocotb.test()
 async def latency(dut) -> None:
-    """Read to data 10 clocks; peek to done 11 when nothing else is read, the wait for a free clock on top."""
+    """Read to data 10 clocks; peek to done 11 clocks, plus the wait for a clock without a read."""
     p = params()
     seen: list[tuple[int, str, int | None]] = []
     quiet = {"rst_i": 0, "wr_valid_i": 0, "rd_valid_i": 0, "peek_valid_i": 0}

@@ -1,7 +1,7 @@
 """Cycle model of `slog_board`, composed of the models of its blocks.
 
-Within a clock the blocks hear from one another only through registered outputs; what a block needs from one stepped
-after it is read from that one's state.
+Within a clock every signal between blocks comes from a register; an input from a block stepped later is read from the
+state of that block's model.
 """
 
 from __future__ import annotations
@@ -9,22 +9,17 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 
+from golden.cycle.bits import all_or_zero
 from golden.cycle.cells.ram_fifo import RamFifoModel
 from golden.cycle.control.control import ControlModel
 from golden.cycle.control.csr import CsrModel, FieldPlace
 from golden.cycle.correlator.correlator import CorrelatorModel
 from golden.cycle.correlator.grid import GridModel
 from golden.cycle.frontend.frontend import FrontendModel
+from golden.cycle.model import Inputs, Values
 from golden.cycle.store.capture import CaptureModel
 from golden.cycle.store.store import StoreModel
 from golden.params import PIXEL_BITS, Config
-
-Values = dict[str, int | None]
-
-
-def known(values: Mapping[str, int | None]) -> dict[str, int]:
-    """Undefined values as 0: for blocks that look at them only when they are defined."""
-    return {name: value or 0 for name, value in values.items()}
 
 
 class BoardModel:
@@ -41,7 +36,7 @@ class BoardModel:
 
     def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
         c = self.config = config
-        self.resets = deque([1, 1, 1])  # of the three clocks before
+        self.resets = deque([1, 1, 1])  # rst_i of the three clocks before
         self.control = ControlModel(c, fields)
         self.front = [FrontendModel(c.max_width, c.radius, c.group_bits) for _ in range(c.cameras)]
         self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)
@@ -50,26 +45,26 @@ class BoardModel:
         self.jobs = RamFifoModel(c.job_depth)
         self.correlator = CorrelatorModel(c)
 
-    def step(self, i: Mapping[str, int]) -> Values:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         self.resets.append(i["rst_i"])
         rst = self.resets.popleft()
         i = {**i, "rst_i": rst}
         control = self.control.outputs()
         capture = self.capture.outputs()
-        fronts = self._cameras(i, known(control))
+        fronts = self._cameras(i, all_or_zero(control))
         level = self.jobs.level
-        job, laid = self._lay(rst, known(control))
+        job, laid = self._lay(rst, all_or_zero(control))
         work = self.correlator.step({
             "rst_i": rst, "job_valid_i": job["out_valid_o"] or 0, "job_i": job["out_data_o"] or 0,
             "image_width_i": control["width_o"] or 0, "image_height_i": control["height_o"] or 0,
             "slot_valid_i": capture["slot_valid_o"] or 0, "rd_data_i": self.store.data or 0,
             "surf_tready_i": i["surf_tready_i"], "res_ready_i": control["result_ready_o"] or 0})
-        store = self.store.step(known({
+        store = self.store.step(all_or_zero({
             "rst_i": rst, **{f"wr_{name}_i": capture[f"wr_{name}_o"] for name in ("valid", "addr", "data")},
             "rd_valid_i": work["rd_valid_o"], "rd_addr_i": work["rd_addr_o"],
             "peek_valid_i": control["peek_valid_o"], "peek_addr_i": control["peek_addr_o"]}))
-        events = known({
+        events = all_or_zero({
             **i, "active_i": fronts["busy_o"], "accepted_i": fronts["accepted_o"], "dropped_i": fronts["dropped_o"],
             "slot_valid_i": capture["slot_valid_o"], "armed_i": capture["armed_o"], "writing_i": capture["writing_o"],
             "refused_i": capture["refused_o"], "captured_i": capture["done_o"], "job_ready_i": laid["job_ready_o"],
@@ -89,8 +84,8 @@ class BoardModel:
                 **{name: work[name] for name in self.OUTPUTS if name.startswith("surf_")}, "irq_o": control["irq_o"]}
 
     def _cameras(self, i: Mapping[str, int], control: dict[str, int]) -> dict[str, int]:
-        """Outputs of both front ends, packed."""
-        packed = dict.fromkeys((*FrontendModel.OUTPUTS,), 0)
+        """Outputs of all front ends, packed."""
+        packed = dict.fromkeys(FrontendModel.OUTPUTS, 0)
         settings = {f"{name}_i": control[f"{name}_o"] for name in ("width", "height", "g", "g2")}
         for c, front in enumerate(self.front):
             out = front.step({

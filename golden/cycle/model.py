@@ -6,18 +6,17 @@ from collections.abc import Callable, Generator, Mapping
 from typing import Any, Protocol
 
 Inputs = dict[str, int]
-
-
+"""Input values of one clock, by port name."""
+Values = dict[str, int | None]
+"""Values of one clock by port name; None where the model leaves them undefined."""
 Outputs = Mapping[str, Any]
-"""Values by port name; None where the model leaves them undefined."""
-
-
+"""The same values as a stimulus receives them, which checks for itself what is defined."""
 Stimulus = Generator[Inputs, Outputs, None]
-
+"""Yields the inputs of a clock and receives the outputs sampled in that clock."""
 
 
 class CycleModel(Protocol):
-    """`step` returns the outputs of a clock from state and inputs, then takes the clock edge. None = undefined."""
+    """A module's behaviour clock by clock: INPUTS and OUTPUTS name its ports."""
 
     @property
     def INPUTS(self) -> tuple[str, ...]: ...
@@ -25,12 +24,16 @@ class CycleModel(Protocol):
     @property
     def OUTPUTS(self) -> tuple[str, ...]: ...
 
-    def step(self, i: Inputs) -> dict[str, int | None]: ...
-
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
 
 
 def run_model(model: CycleModel, stimulus: Stimulus, observe: Callable[[Inputs, Outputs], None] | None = None) -> int:
-    """Run `stimulus` against `model` alone; returns the number of clocks."""
+    """Run `stimulus` against `model` alone; `observe` receives the inputs and outputs of each clock.
+
+    Returns:
+        The number of clocks.
+    """
     clocks = 0
     try:
         i = next(stimulus)

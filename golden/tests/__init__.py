@@ -1,0 +1,1 @@
+"""Tests of the specification: the frame level against brute force, the cycle models against the frame level."""

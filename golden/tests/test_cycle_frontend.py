@@ -4,33 +4,25 @@ from __future__ import annotations
 
 import random
 
-import numpy as np
 import pytest
 
-from golden.cycle.bits import pack
 from golden.cycle.frontend.frontend import FrontendModel
 from golden.cycle.model import run_model
-from golden.log import binarise, kernels
+from golden.log import kernels
 from golden.params import TINY
 from golden.traffic.stalls import SHAPES, willing
-from golden.traffic.video import BAD_KINDS, Item, Seen, bad, good, play, stray, texture
+from golden.traffic.video import BAD_KINDS, Item, VideoRecord, bad, good, play, settings_of, stray, texture
 
 R = TINY.radius
 
 
-def run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> Seen:
+def _run(items: list[Item], width: int, height: int, sigma: float, shape: str, seed: int) -> VideoRecord:
     g, g2 = kernels(sigma, R)
-    settings = {"width_i": width, "height_i": height, "g_i": pack(g, 18) or 0, "g2_i": pack(g2, 18) or 0}
     rng = random.Random(seed)
-    seen = Seen(TINY.group_bits, width)
+    seen = VideoRecord(TINY.group_bits, width)
     model = FrontendModel(TINY.max_width, R, TINY.group_bits)
-    run_model(model, play(items, settings, willing(shape, rng), rng), seen.observe)
-    wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]
-    assert len(seen.planes) == len(wanted) == seen.accepted
-    for got, want in zip(seen.planes, wanted, strict=True):
-        np.testing.assert_array_equal(got, want)
-    assert seen.drops == sum(i.drops for i in items)
-    assert seen.starts == seen.aborts + seen.accepted
+    run_model(model, play(items, settings_of(width, height, g, g2), willing(shape, rng), rng), seen.observe)
+    seen.check(items, g, g2)
     return seen
 
 
@@ -38,7 +30,7 @@ def run(items: list[Item], width: int, height: int, sigma: float, shape: str, se
 def test_good_frames(width: int, height: int, sigma: float) -> None:
     rng = random.Random(width)
     items = [good(texture(rng, width, height)) for _ in range(3)]
-    assert run(items, width, height, sigma, "none", 1).stalled == 0
+    assert _run(items, width, height, sigma, "none", 1).stalled == 0
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -49,4 +41,4 @@ def test_bad_frames(shape: str) -> None:
     for kind in BAD_KINDS:
         items += [good(texture(rng, width, height)), bad(kind, texture(rng, width, height), rng)]
     items += [good(texture(rng, width, height)), stray(rng, 40), good(texture(rng, width, height))]
-    run(items, width, height, 2.0, shape, 3)
+    _run(items, width, height, 2.0, shape, 3)

@@ -1,6 +1,7 @@
 """The peak unit's cycle model against the frame-level peak search; its rate; its queues when full."""
 
 import random
+from collections.abc import Callable
 from itertools import repeat
 
 import numpy as np
@@ -8,23 +9,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.cycle.model import Inputs, Outputs, run_model
 from golden.cycle.peak.peak import PeakModel
 from golden.traffic.peak import PeakTask, PeakTraffic, random_task, refused_task
+from golden.traffic.stalls import coin
 
 MAX_OFFSETS, SCORE_DEPTH, RESULT_DEPTH, AREA = 48, 128, 4, 256
 
 
-def drive(traffic: PeakTraffic, model: PeakModel | None = None) -> PeakTraffic:
-    """Run `traffic` against a model and check all it answers."""
+def _drive(traffic: PeakTraffic, model: PeakModel | None = None,
+           observe: Callable[[Inputs, Outputs], None] | None = None) -> PeakTraffic:
+    """Run `traffic` against a model and check all results."""
     model = model or PeakModel(MAX_OFFSETS, SCORE_DEPTH, RESULT_DEPTH)
-    stimulus = traffic.stimulus()
     model.step(dict.fromkeys(PeakModel.INPUTS, 0) | {"rst_i": 1})
-    try:
-        i = next(stimulus)
-        while True:
-            i = stimulus.send(model.step(i))
-    except StopIteration:
-        traffic.check()
+    run_model(model, traffic.stimulus(), observe)
+    traffic.check()
     return traffic
 
 
@@ -37,11 +36,7 @@ def test_any_jobs_any_stalls(seed: int, cols: int, rows: int, top: int, scores: 
     rng = random.Random(seed)
     tasks = [refused_task(rng) if rng.random() < 0.2 else
              random_task(rng, rng.randint(1, cols), rng.randint(1, rows), AREA, top) for _ in range(12)]
-
-    def coin(p: float) -> object:
-        return iter(lambda: int(rng.random() < p), None)
-
-    drive(PeakTraffic(tasks, rng, scores=coin(scores), results=coin(results), surface=coin(surface)))  # type: ignore[arg-type]
+    _drive(PeakTraffic(tasks, rng, scores=coin(scores, rng), results=coin(results, rng), surface=coin(surface, rng)))
 
 
 @pytest.mark.parametrize(("cols", "rows", "period"), [
@@ -49,38 +44,31 @@ def test_any_jobs_any_stalls(seed: int, cols: int, rows: int, top: int, scores: 
 def test_equal_jobs_never_wait(cols: int, rows: int, period: int) -> None:
     """Back-to-back jobs of equal size run at the array's own rate, refused ones between."""
     rng = random.Random(1)
-    # The room rule holds back a row of MaxOffsets; as on the full board the latency is well inside what is left.
+    # The room for a row of MaxOffsets is reserved; as on the full board the latency is well within the rest.
     tasks = [random_task(rng, cols, rows, AREA) for _ in range(24)]
-    t = drive(PeakTraffic(tasks, rng, period=period), PeakModel(MAX_OFFSETS, 2 * SCORE_DEPTH, 64))
+    t = _drive(PeakTraffic(tasks, rng, period=period), PeakModel(MAX_OFFSETS, 2 * SCORE_DEPTH, 64))
     steps = 24 * rows * max(cols, period)
-    # The first row waits for its context and grant, nothing else does; the tail is the last row's search.
+    # Only the first row waits, for its context and grant; the search of the last row follows.
     assert t.waits <= 8, f"{t.waits} clocks without a grant"
     assert t.clocks <= steps + t.latency + 2 * cols + 48
 
 
 def test_unequal_jobs_wait_and_lose_nothing() -> None:
-    """Wide jobs of few rows before narrow ones: the search falls behind, so grants must dry up."""
+    """Wide jobs of few rows before narrow ones: the search falls behind, so grants must stop."""
     rng = random.Random(2)
     tasks = [random_task(rng, *((48, 2), (3, 4), (48, 1), (1, 1), (2, 9))[k % 5], AREA) for k in range(40)]
-    t = drive(PeakTraffic(tasks, rng, latency=5))
+    t = _drive(PeakTraffic(tasks, rng, latency=5))
     assert t.waits > 0
 
 
 def test_full_result_queue_stops_everything() -> None:
-    """With no host, exactly the queue's results are kept; then all the others follow."""
+    """While no result is taken, the queue is full and stays so; then all the others follow."""
     rng = random.Random(3)
     tasks = [random_task(rng, 6, 3, AREA) for _ in range(40)]
     model = PeakModel(MAX_OFFSETS, SCORE_DEPTH, RESULT_DEPTH)
-    levels = []
-    step = model.step
-
-    def watched(i: dict[str, int]) -> dict[str, int | None]:
-        out = step(i)
-        levels.append(out["res_level_o"])
-        return out
-
-    model.step = watched  # type: ignore[method-assign]
-    t = drive(PeakTraffic(tasks, rng, results=iter([0] * 3000 + [1] * 10**5)), model)
+    levels: list[int] = []
+    t = _drive(PeakTraffic(tasks, rng, results=iter([0] * 3000 + [1] * 10**5)), model,
+               lambda _, out: levels.append(out["res_level_o"]))
     assert set(levels[1000:3000]) == {RESULT_DEPTH}
     assert t.waits > 1500
 
@@ -88,7 +76,7 @@ def test_full_result_queue_stops_everything() -> None:
 def test_stopped_surface_stops_everything() -> None:
     rng = random.Random(4)
     tasks = [PeakTask(random_task(rng, 8, 4, AREA).scores, AREA, surface=k % 2 == 0, tag=k) for k in range(20)]
-    t = drive(PeakTraffic(tasks, rng, surface=iter([0] * 2000 + [1] * 10**5)))
+    t = _drive(PeakTraffic(tasks, rng, surface=iter([0] * 2000 + [1] * 10**5)))
     assert t.clocks > 2000 and t.waits > 1000
 
 
@@ -96,19 +84,19 @@ def test_reset_in_mid_work() -> None:
     rng = random.Random(5)
     tasks = [random_task(rng, 7, 5, AREA) for _ in range(12)]
     for reset_at in range(150, 190, 7):
-        drive(PeakTraffic(tasks, rng, reset_at=reset_at))
+        _drive(PeakTraffic(tasks, rng, reset_at=reset_at))
 
 
 def test_traffic_notices_a_wrong_answer() -> None:
-    """The bench itself: a model whose neighbours are swapped fails."""
+    """A model whose neighbours are swapped fails."""
     rng = random.Random(6)
     model = PeakModel(MAX_OFFSETS, SCORE_DEPTH, RESULT_DEPTH)
     model.collect.COLUMNS = (("near_west_i", (2, 4, 7)), ("near_centre_i", (1, None, 6)),
                              ("near_east_i", (0, 3, 5)))
     with pytest.raises(AssertionError, match="job"):
-        drive(PeakTraffic([random_task(rng, 7, 5, AREA) for _ in range(5)], rng, results=repeat(1)), model)
+        _drive(PeakTraffic([random_task(rng, 7, 5, AREA) for _ in range(5)], rng, results=repeat(1)), model)
 
 
 def test_ties_take_the_first() -> None:
     flat = PeakTask(np.full((4, 5), 9, dtype=np.int32), 16)
-    assert drive(PeakTraffic([flat] * 3, random.Random(7))).answers == [flat.result()] * 3
+    assert _drive(PeakTraffic([flat] * 3, random.Random(7))).packed_results == [flat.result()] * 3

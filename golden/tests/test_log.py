@@ -15,16 +15,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from golden.log import ONE, Coefs, Image, kernels, respond, response, sigma_max, sign
-from golden.params import FULL, ROOT, TINY
+from golden.log import NARROWEST_SIGMA, ONE, Coefs, Image, kernels, respond, response, sign, widest_sigma
+from golden.params import FULL, MAX_SIGMA, MIN_SIGMA, ROOT, TINY
 
-SIGMAS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
+SIGMAS = (MIN_SIGMA, 1.5, 2.0, 2.5, 3.0, MAX_SIGMA)
 DATA = ROOT.parent / "shared" / "data"
 AGREEMENT = 0.995
 USUAL, WIDE = 4.0, 8.0
-"""Sigmas after which a float LoG is cut: where SciPy and OpenCV cut float Gaussians, and where it hardly shows."""
+"""Sigmas at which a float LoG is cut: as SciPy and OpenCV cut theirs, and where the cut hardly shows."""
 FAINT = 0.01
-"""Grey levels up to which a response is hardly the picture's: a float LoG's far tails, the board's rounding."""
+"""Grey levels up to which a response is mostly the far tail of a float LoG and the rounding of the board."""
 CLEAR_AGREEMENT = 0.9999
 
 
@@ -47,7 +47,7 @@ def brute_force(image: Image, g: Coefs, g2: Coefs) -> npt.NDArray[np.int64]:
 
 
 @pytest.mark.parametrize("radius", [TINY.radius, FULL.radius])
-@pytest.mark.parametrize("sigma", [0.6, 0.9, *SIGMAS])
+@pytest.mark.parametrize("sigma", [NARROWEST_SIGMA, 0.9, *SIGMAS])
 def test_kernel_sums(sigma: float, radius: int) -> None:
     g, g2 = kernels(sigma, radius)
     for half, total in ((g, ONE), (g2, 0)):
@@ -72,9 +72,9 @@ def test_bad_image(image: npt.NDArray[np.generic]) -> None:
         response(image, 2.0)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("sigma", [0.6, *SIGMAS, sigma_max(FULL.radius)])
+@pytest.mark.parametrize("sigma", [NARROWEST_SIGMA, *SIGMAS, widest_sigma(FULL.radius)])
 def test_exact_on_extremes(sigma: float) -> None:
-    """The largest sums there are: black and white in the shape of the kernel itself."""
+    """The largest possible sums: black and white in the shape of the kernel itself."""
     g, g2 = kernels(sigma)
     taps = np.array([*g2[:0:-1], *g2])
     for one, two in ((taps > 0, taps < 0), (taps < 0, taps > 0), (taps > -ONE, taps > 0)):
@@ -85,7 +85,7 @@ def test_exact_on_extremes(sigma: float) -> None:
 
 
 images = hnp.arrays(np.uint8, st.tuples(st.integers(1, 40), st.integers(1, 40)))
-widths = st.floats(0.6, 4.0)
+widths = st.floats(NARROWEST_SIGMA, MAX_SIGMA)
 
 
 @settings(max_examples=60, deadline=None)
@@ -135,7 +135,7 @@ def test_constants_and_ramps_give_nothing(sigma: float, radius: int) -> None:
 def float_response(image: Image, sigma: float, reach: float) -> npt.NDArray[np.float64]:
     """Of a float64 LoG cut `reach` sigmas out, in grey levels per px^2.
 
-    What the cut leaves of the kernel's mean goes where the Gaussian is: a LoG does not see brightness.
+    The mean that the cut leaves in the kernel is taken out in proportion to the Gaussian: a LoG ignores brightness.
     """
     grey = image.astype(np.float64)
     mean = scipy.ndimage.gaussian_laplace(np.ones((1, 1)), sigma, mode="nearest", truncate=reach)
@@ -145,9 +145,9 @@ def float_response(image: Image, sigma: float, reach: float) -> npt.NDArray[np.f
 
 
 def clipped(image: Image, sigma: float) -> npt.NDArray[np.bool_]:
-    """Pixels with nothing but pure black, or pure white, within 2 sigma.
+    """Pixels with only pure black, or only pure white, within 2 sigma.
 
-    There a float LoG sees only its own far tail and rounding (below 0.001 grey levels), and the board sees exactly 0.
+    There a float LoG gives only its far tail and rounding (below 0.001 grey levels), and the board exactly 0.
     """
     side = 2 * int(np.ceil(2 * sigma)) + 1
     box = np.ones((side, side), np.uint8)

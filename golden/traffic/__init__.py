@@ -1,0 +1,1 @@
+"""Stimuli for the cycle models and their modules: what surrounds a block, with the results it must give."""

@@ -1,30 +1,30 @@
-"""Random work for `slog_operands` and `slog_array`, with the scores it must give by plain counting."""
+"""Random windows for `slog_operands` and `slog_array`, with their mismatches by plain counting."""
 
 from __future__ import annotations
 
 import random
 from collections import deque
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
-from golden.cycle.array.timing import REUSE_CLOCKS, drain_clocks
+from golden.correlate import Plane
+from golden.cycle.array.timing import REUSE_CLOCKS, array_latency, drain_clocks
+from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.structs import STEP
 
-Bits = npt.NDArray[np.uint8]
 
-
-def to_bits(words: list[int], width: int) -> Bits:
-    """Words of `width` bits, the first leftmost, as 0/1 from left to right."""
+def _bits(words: list[int], width: int) -> Plane:
+    """Words of `width` bits, the first leftmost, as a row of 0/1 from left to right."""
     return np.array([w >> b & 1 for w in words for b in range(width)], dtype=np.uint8)
 
 
 class WindowTraffic:
-    """Rounds of one window each: a template is loaded while the round before is scored; then passes at random places.
+    """Rounds of one window each: its template is loaded during the round before, then passes at random places.
 
-    `inputs` yields the write port, `step_i` and `mask_i`; `expected` grows by each pass's mismatches, in order.
-    Windows are paired or wide, of any width and height; the rest of the ring is rewritten meanwhile.
+    `stimulus` yields the write port, `step_i` and `mask_i`; `expected` collects the mismatches of each pass, in order,
+    `observe` what the array gives. Windows are paired or wide, of any width and height; the rest of the ring is
+    rewritten meanwhile.
     """
 
     def __init__(self, rng: random.Random, group_bits: int, ring_rows: int, words_per_row: int,
@@ -33,19 +33,21 @@ class WindowTraffic:
         self.group_bits, self.pitch, self.lanes = group_bits, group_bits // 2, group_bits // 2 + 1
         self.ring_rows, self.words = ring_rows, 4 * (-(-words_per_row // 4))
         self.memory = np.zeros((ring_rows, self.words * group_bits), dtype=np.uint8)
-        self.template = np.zeros((0, 0), dtype=np.uint8)
         self.writes: deque[dict[str, int]] = deque()
         self.expected: list[list[int]] = []
+        self.scores: list[tuple[int, int]] = []  # clock and value of each mismatch seen
+        self.due: list[int] = []  # clocks in which a mismatch is due
+        self.clocks = 0
         self.bank = 0
-        self.rows: frozenset[int] = frozenset()  # ring rows in use by the round in work
+        self.rows: frozenset[int] = frozenset()  # ring rows in use by the current round
         self.quiet = 0  # clocks since a step
         self.until_last = 0  # clocks before the next pass may end
-        self.write_wait = 0  # clocks before the last round's words may be overwritten
+        self.write_wait = 0  # clocks before the words of the last round may be overwritten
         self.shape = (False, 0)  # wide, width of the latest window
         self.mask = 0
 
-    def inputs(self, rounds: int, passes: int) -> Generator[dict[str, int], Mapping[str, int | None], None]:
-        """Inputs clock by clock, `rounds` windows of about `passes` passes, until the last score is out."""
+    def stimulus(self, rounds: int, passes: int) -> Stimulus:
+        """`rounds` windows of about `passes` passes each, until the last score is out."""
         g = self.group_bits
         for row in range(self.ring_rows):
             self._fill(row)
@@ -77,8 +79,26 @@ class WindowTraffic:
         for _ in range(self.ring_rows + 8 * g + 60):
             yield self._clock(None)
 
-    def _pass(self, template: Bits, wide: bool, bank: int,
-              top: int) -> Generator[dict[str, int], Mapping[str, int | None], None]:
+    def observe(self, i: Inputs, out: Outputs) -> None:
+        """Take the inputs and outputs of a clock: the mismatches seen and the clocks they are due in."""
+        step = STEP.unpack(i["step_i"])
+        if step["valid"] and step["last"]:
+            self.due.extend(self.clocks + array_latency(self.group_bits) + k for k in range(step["lanes"]))
+        if out["mismatch_valid_o"]:
+            self.scores.append((self.clocks, out["mismatch_o"]))
+        self.clocks += 1
+
+    def check(self) -> None:
+        """Compare the mismatches seen with plain counting and with the latency.
+
+        Raises:
+            AssertionError: if a value, the order or a clock differs.
+        """
+        assert [value for _, value in self.scores] == [value for lanes in self.expected for value in lanes]
+        assert [clock for clock, _ in self.scores] == self.due
+
+    def _pass(self, template: Plane, wide: bool, bank: int,
+              top: int) -> Stimulus:
         height, width = template.shape
         lanes = self.rng.choice((1, self.lanes, self.rng.randint(1, self.lanes)))
         chunks = (self.words * self.group_bits - width - lanes + 1) // self.pitch
@@ -102,8 +122,8 @@ class WindowTraffic:
                 "ring_row": (top + (s if wide else 2 * s)) % self.ring_rows, "chunk": chunk, "lanes": lanes})
         self.until_last = lanes - 1
 
-    def _clock(self, step: dict[str, int] | None) -> dict[str, int]:
-        """Inputs of one clock: `step` or noise, and the next write if there is one and it is willing."""
+    def _clock(self, step: dict[str, int] | None) -> Inputs:
+        """Inputs of one clock: `step` or noise, and often the next write if there is one."""
         self.quiet = 0 if step else self.quiet + 1
         self.until_last = max(self.until_last - 1, 0)
         noise = {name: self.rng.getrandbits(bits) for name, bits in STEP.fields}
@@ -118,16 +138,16 @@ class WindowTraffic:
                 "step_i": STEP.pack(step or {**noise, "valid": 0})}
 
     def _fill(self, row: int) -> None:
-        """Queue a ring row of random words."""
+        """Queue the writes of a ring row of random words."""
         words = [self.rng.getrandbits(self.group_bits) for _ in range(self.words)]
-        self.memory[row] = to_bits(words, self.group_bits)
+        self.memory[row] = _bits(words, self.group_bits)
         for k, word in enumerate(words):
             self.writes.append({"wr_tpl_i": 0, "wr_wide_i": self.rng.getrandbits(1),
                                 "wr_bank_i": self.rng.getrandbits(1), "wr_row_i": row, "wr_word_i": k,
                                 "wr_data_i": word})
 
-    def _window(self) -> tuple[Bits, bool, int]:
-        """Queue a random template for the bank not in use: (bits (height, width), wide, bank)."""
+    def _window(self) -> tuple[Plane, bool, int]:
+        """Queue the writes of a random template for the unused bank: (bits (height, width), wide, bank)."""
         g = self.group_bits
         if self.shape[1] == 0 or self.rng.random() < 0.7:
             wide = self.rng.random() < 0.5
@@ -140,7 +160,7 @@ class WindowTraffic:
         rows = []
         for row in range(height):
             words = [self.rng.getrandbits(g) for _ in range(1 + wide)]
-            rows.append(to_bits(words, g)[:width])
+            rows.append(_bits(words, g)[:width])
             for k, word in enumerate(words):
                 self.writes.append({"wr_tpl_i": 1, "wr_wide_i": int(wide), "wr_bank_i": self.bank, "wr_row_i": row,
                                     "wr_word_i": k, "wr_data_i": word})

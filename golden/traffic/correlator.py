@@ -1,33 +1,32 @@
-"""What surrounds the correlator, for its tests: a source of jobs, the bit-plane store, a host that takes answers.
+"""The surroundings of the correlator for its tests: a source of jobs, the bit-plane store, a host that takes results.
 
-`CorrelatorTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL alike.
+`CorrelatorTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import repeat
 
 import numpy as np
 
-from golden.correlate import Job, Plane, Result, Status, run, surface
-from golden.cycle.store.store import StoreModel
+from golden.correlate import Job, Plane, Status, run, surface
+from golden.cycle.bits import or_zero
+from golden.cycle.model import Stimulus
 from golden.params import Config
-from golden.structs import RESULT, pack_job
-from golden.traffic.loop import store_words
-
-
-def packed_result(result: Result) -> int:
-    """`result` as a packed `result_t`."""
-    return RESULT.pack({"tag": result.tag, "status": result.status, "best_x": result.best_x, "best_y": result.best_y,
-                        "score": result.score, "runner_up": result.runner_up,
-                        **{f"neighbour{k}": v for k, v in enumerate(result.neighbours)}})
+from golden.structs import RESULT, pack_job, pack_result
+from golden.traffic.peak import surface_beats
+from golden.traffic.store import filled_store, read_store
 
 
 @dataclass
 class CorrelatorTraffic:
-    """Jobs in, answers out. `planes` are the frames by slot, all of one size."""
+    """Jobs in, results and surfaces out. `planes` are the sign planes by slot, all of one size.
+
+    `source`, `results_end` and `surface_end` hold whether that end is ready in a clock; `reset_at` is the clock of a
+    reset, `limit` the clocks allowed.
+    """
 
     config: Config
     planes: Mapping[int, Plane]
@@ -42,19 +41,18 @@ class CorrelatorTraffic:
     clocks: int = 0
     scores: int = 0
     first_score: int | None = None
+    """Clock of the first score; None before it."""
     last_score: int = 0
+    """Clock of the last score so far."""
 
-    def stimulus(self) -> Generator[dict[str, int], Mapping[str, int | None], None]:
-        """Runs all jobs to their results, and some clocks more. A reset starts the jobs over.
+    def stimulus(self) -> Stimulus:
+        """Run all jobs to their results, and 80 clocks more. After a reset the jobs begin again.
 
         Raises:
-            AssertionError: if the results never come, or an offered word changes while it waits.
+            AssertionError: if that takes more than `limit` clocks.
         """
-        c = self.config
         height, width = next(iter(self.planes.values())).shape
-        store = StoreModel(c.store_words)
-        for slot, plane in self.planes.items():
-            store.memory[slot * c.slot_words:(slot + 1) * c.slot_words] = store_words(plane, c)
+        store = filled_store(self.config, self.planes)
         sent, offered, quiet = 0, False, 0
         while quiet < 80:
             assert self.clocks < self.limit, f"{len(self.results)} results of {len(self.jobs)} jobs"
@@ -63,11 +61,9 @@ class CorrelatorTraffic:
             res_ready, surf_ready = next(self.results_end), next(self.surface_end)
             out = yield {"rst_i": reset, "job_valid_i": int(offered),
                          "job_i": pack_job(self.jobs[sent]) if offered else 0, "image_width_i": width,
-                         "image_height_i": height,
-                         "slot_valid_i": sum(1 << s for s in self.planes), "rd_data_i": store.data or 0,
-                         "res_ready_i": res_ready, "surf_tready_i": surf_ready}
-            store.step({"rst_i": 0, "wr_valid_i": 0, "wr_addr_i": 0, "wr_data_i": 0, "peek_valid_i": 0,
-                        "peek_addr_i": 0, "rd_valid_i": out["rd_valid_o"] or 0, "rd_addr_i": out["rd_addr_o"] or 0})
+                         "image_height_i": height, "slot_valid_i": sum(1 << s for s in self.planes),
+                         "rd_data_i": or_zero(store.data), "res_ready_i": res_ready, "surf_tready_i": surf_ready}
+            read_store(store, out)
             if reset:
                 sent, offered = 0, False
                 self.results.clear()
@@ -97,20 +93,22 @@ class CorrelatorTraffic:
         wanted = [run(job, self.planes, self.config, size) for job in self.jobs]
         assert len(self.results) == len(wanted)
         for job, seen, result in zip(self.jobs, self.results, wanted, strict=True):
-            assert RESULT.unpack(seen) == RESULT.unpack(packed_result(result)), job
+            assert RESULT.unpack(seen) == RESULT.unpack(pack_result(result)), job
         stream = []
         for job, result in zip(self.jobs, wanted, strict=True):
             if job.surface and result.status is Status.OK:
-                scores = surface(self.planes[job.tpl_slot], self.planes[job.search_slot], job).ravel().tolist()
-                stream += [(s, int(k == 0), int(k == len(scores) - 1)) for k, s in enumerate(scores)]
+                stream += surface_beats(surface(self.planes[job.tpl_slot], self.planes[job.search_slot], job))
         assert self.stream == stream
 
 
+def random_planes(config: Config, slots: Sequence[int], seed: int, repeats: int = 1,
+                  size: tuple[int, int] | None = None) -> dict[int, Plane]:
+    """Random sign planes for `slots`, uint8 0/1, (H, W) of `size` (width, height) or the largest image.
 
-def planes_of(config: Config, slots: tuple[int, ...], seed: int, repeats: int = 1) -> dict[int, Plane]:
-    """Random planes; with `repeats` > 1 they repeat themselves, which makes equal scores."""
+    With `repeats` > 1 a tile is repeated that often across and down, which makes equal scores.
+    """
     rng = np.random.default_rng(seed)
-    shape = (config.max_height, config.max_width)
+    shape = size[::-1] if size else (config.max_height, config.max_width)
     tile = tuple(-(-n // repeats) for n in shape)
     return {s: np.tile(rng.integers(0, 2, tile, dtype=np.uint8), (repeats, repeats))[:shape[0], :shape[1]]
             for s in slots}

@@ -48,7 +48,7 @@ def acceptable(rng: random.Random, config: Config, image_size: tuple[int, int], 
 
 def refused(rng: random.Random, config: Config, image_size: tuple[int, int], slot_valid: list[bool],
             status: Status) -> Job:
-    """A job refused with `status` and, where possible, barely: one step off an acceptable one.
+    """A job refused with `status`, where possible one step away from an acceptable one.
 
     Raises:
         ValueError: if `status` is OK.
@@ -76,7 +76,7 @@ def refused(rng: random.Random, config: Config, image_size: tuple[int, int], slo
         else:
             raise ValueError("status must be one of a refused job")
         if rng.random() < 0.2 and status is not Status.OUTSIDE:
-            job = replace(job, tpl_x=1023)  # a later fault must not win
+            job = replace(job, tpl_x=1023)  # a later fault must not be reported
         if check(job, config, image_size, slot_valid) is status:
             return job
     raise AssertionError(f"no job of status {status.name} found")

@@ -1,26 +1,32 @@
-"""What surrounds the peak unit, for its tests: a sequencer and an array that send jobs, a host that takes answers.
+"""The surroundings of the peak unit for its tests: a sequencer and an array that send jobs, a host that takes results.
 
-`PeakTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL alike.
+`PeakTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together.
 """
 
 from __future__ import annotations
 
 import random
 from collections import deque
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import repeat
 
 import numpy as np
 
-from golden.correlate import Status, Surface, peak
-from golden.params import NO_SCORE
-from golden.structs import CONTEXT, RESULT
+from golden.correlate import Result, Status, Surface, peak
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.structs import CONTEXT, RESULT, pack_result
+
+
+def surface_beats(scores: Surface) -> list[tuple[int, int, int]]:
+    """(tdata, tuser, tlast) of the stream of a surface, in raster order."""
+    flat = [int(s) for s in scores.flat]
+    return [(s, int(k == 0), int(k == len(flat) - 1)) for k, s in enumerate(flat)]
 
 
 @dataclass(frozen=True)
 class PeakTask:
-    """A job as the peak unit sees it: its scores (offsets_y, offsets_x), or why there are none."""
+    """A job at the peak unit: scores (offsets_y, offsets_x) of a window of `area` pixels, or why it is refused."""
 
     scores: Surface
     area: int
@@ -35,22 +41,17 @@ class PeakTask:
                              "offsets_y": rows, "area": self.area})
 
     def result(self) -> int:
-        """Packed `result_t` that the board must answer, from the frame-level search."""
-        refused = (0, 0, NO_SCORE, (NO_SCORE,) * 8, NO_SCORE)
-        x, y, score, around, runner_up = peak(self.scores) if self.status is Status.OK else refused
-        return RESULT.pack({"tag": self.tag, "status": self.status, "best_x": x, "best_y": y, "score": score,
-                            "runner_up": runner_up, **{f"neighbour{k}": v for k, v in enumerate(around)}})
+        """Packed `result_t` that the board must give, from the frame-level search."""
+        found = peak(self.scores) if self.status is Status.OK else ()
+        return pack_result(Result(self.tag, self.status, *found))
 
     def stream(self) -> list[tuple[int, int, int]]:
-        """(tdata, tuser, tlast) of the surface stream."""
-        if not self.surface or self.status is not Status.OK:
-            return []
-        flat = [int(s) for s in self.scores.flat]
-        return [(s, int(k == 0), int(k == len(flat) - 1)) for k, s in enumerate(flat)]
+        """Beats of its surface; none if it was not asked for or the job is refused."""
+        return surface_beats(self.scores) if self.surface and self.status is Status.OK else []
 
 
 def random_task(rng: random.Random, cols: int, rows: int, area: int, top: int | None = None) -> PeakTask:
-    """Scores 0..`top` at random (a small `top` makes ties), in one of several slopes that move the best about."""
+    """Random scores 0..`top` (a small `top` makes ties), on one of several slopes that move the best."""
     top = area if top is None else min(top, area)
     scores = np.random.default_rng(rng.getrandbits(32)).integers(0, top + 1, (rows, cols))
     slope = rng.choice(("none", "none", "rising", "falling", "across"))
@@ -61,7 +62,7 @@ def random_task(rng: random.Random, cols: int, rows: int, area: int, top: int | 
 
 
 def refused_task(rng: random.Random) -> PeakTask:
-    """A refused job, with whatever numbers its context holds."""
+    """A refused job with random values in its context."""
     size = rng.randint(0, 3), rng.randint(0, 3)
     return PeakTask(np.zeros(size, dtype=np.int32), rng.getrandbits(15), Status(rng.randint(1, 4)),
                     bool(rng.getrandbits(1)), rng.getrandbits(16))
@@ -69,10 +70,11 @@ def refused_task(rng: random.Random) -> PeakTask:
 
 @dataclass
 class PeakTraffic:
-    """Jobs into a peak unit and answers out of it.
+    """Jobs into a peak unit, results and surfaces out of it.
 
-    As the real sequencer does, it asks for the next row while the present one is being stepped; a row's first score
-    follows its first step by `latency` clocks, and a row takes `period` clocks or one per offset, whichever is more.
+    Like the sequencer it requests the next row while the current one is in work. The first score of a row follows its
+    first step by `latency` clocks; a row takes `period` clocks or one per offset, whichever is more. `scores`,
+    `results` and `surface` hold whether that stream moves in a clock.
     """
 
     tasks: list[PeakTask]
@@ -85,28 +87,28 @@ class PeakTraffic:
     reset_at: int | None = None
     limit: int = 100_000
 
-    answers: list[int] = field(default_factory=list)
+    packed_results: list[int] = field(default_factory=list)
     streamed: list[tuple[int, int, int]] = field(default_factory=list)
     waits: int = 0
-    """Clocks in which the sequencer could have started a row and had no grant."""
+    """Clocks in which the sequencer was ready to start a row and had no grant."""
     clocks: int = 0
 
-    def stimulus(self) -> Generator[dict[str, int], Mapping[str, int | None], None]:
-        """Yields inputs, receives outputs; ends when every job is answered and every score streamed.
+    def stimulus(self) -> Stimulus:
+        """Run until every job has its result and every score is streamed.
 
         Raises:
             AssertionError: if that takes more than `limit` clocks.
         """
-        self.restart()
+        self._restart()
         streams = sum(len(t.stream()) for t in self.tasks)
-        while len(self.answers) < len(self.tasks) or len(self.streamed) < streams:
+        while len(self.packed_results) < len(self.tasks) or len(self.streamed) < streams:
             assert self.clocks < self.limit, "the peak unit is stuck"
-            inputs = self.inputs()
-            self.note(inputs, (yield inputs))
+            inputs = self._inputs()
+            self._note(inputs, (yield inputs))
             self.clocks += 1
 
-    def restart(self) -> None:
-        """Everything from the first job on."""
+    def _restart(self) -> None:
+        """Begin again with the first job."""
         self.contexts = deque((t.context(), int(t.status is Status.OK) * t.scores.shape[0]) for t in self.tasks)
         self.rows = deque((t.scores[y], t.area) for t in self.tasks if t.status is Status.OK
                           for y in range(t.scores.shape[0]))
@@ -114,11 +116,11 @@ class PeakTraffic:
         self.granted: deque[tuple[Surface, int]] = deque()
         self.flying: deque[tuple[int, int]] = deque()
         self.next_start = 0
-        self.answers.clear()
+        self.packed_results.clear()
         self.streamed.clear()
 
-    def inputs(self) -> dict[str, int]:
-        """Inputs of this clock; data are garbage where nothing is offered."""
+    def _inputs(self) -> Inputs:
+        """Inputs of this clock; data are random where nothing is offered."""
         rng, t = self.rng, self.clocks
         if self.granted and t >= self.next_start:
             row, area = self.granted.popleft()
@@ -128,7 +130,7 @@ class PeakTraffic:
             self.waits += 1
         asks = bool(self.open_rows and not self.granted)
         due = bool(self.flying and self.flying[0][0] <= t and next(self.scores))
-        # The next context comes when the last row of the one before is granted.
+        # The next context is offered when the last row of the one before is granted.
         offers = bool(self.contexts and not self.open_rows)
         return {
             "rst_i": int(t == self.reset_at),
@@ -137,15 +139,15 @@ class PeakTraffic:
             "mismatch_valid_i": int(due), "mismatch_i": self.flying[0][1] if due else rng.getrandbits(9),
             "surf_tready_i": next(self.surface), "res_ready_i": next(self.results)}
 
-    def note(self, i: dict[str, int], out: Mapping[str, int | None]) -> None:
-        """What happened in this clock."""
+    def _note(self, i: Inputs, out: Outputs) -> None:
+        """Take the transfers of this clock."""
         if i["rst_i"]:
-            self.restart()
+            self._restart()
             return
         if out["surf_tvalid_o"] and i["surf_tready_i"]:
             self.streamed.append((out["surf_tdata_o"] or 0, out["surf_tuser_o"] or 0, out["surf_tlast_o"] or 0))
         if out["res_valid_o"] and i["res_ready_i"]:
-            self.answers.append(out["res_o"] or 0)
+            self.packed_results.append(out["res_o"] or 0)
         if i["ctx_valid_i"] and out["ctx_ready_o"]:
             self.open_rows = self.contexts.popleft()[1]
         if i["row_valid_i"] and out["row_ready_o"]:
@@ -155,11 +157,11 @@ class PeakTraffic:
             self.flying.popleft()
 
     def check(self) -> None:
-        """Every answer and every streamed score is the frame-level model's.
+        """Compare every result and every streamed score with the frame level.
 
         Raises:
             AssertionError: naming the first job that differs.
         """
-        for k, (task, got) in enumerate(zip(self.tasks, self.answers, strict=True)):
+        for k, (task, got) in enumerate(zip(self.tasks, self.packed_results, strict=True)):
             assert RESULT.unpack(got) == RESULT.unpack(task.result()), f"job {k} of {task.scores.shape}"
         assert self.streamed == [word for task in self.tasks for word in task.stream()]

@@ -1,7 +1,7 @@
-"""What the array would score, from the operand writes and the steps alone: a plain memory, replayed step by step.
+"""The scores of the array from the operand writes and the steps alone, replayed on plain memories.
 
-Holds the schedule to its contract on the way (rtl/slog_array_pkg.sv): a word is read only after it is written, not
-overwritten while it may still be read, passes end far enough apart, the mask changes only in a drained array.
+Checks the contract of the schedule (rtl/array/slog_array_pkg.sv): a word is not overwritten while it may still be
+read, passes end far enough apart, the mask changes only in a drained array.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from golden.params import Config
 
 
 class Replay:
-    """Plain operand memories behind slog_fetch and slog_sequencer.
+    """Plain operand memories behind `slog_fetch` and `slog_sequencer`.
 
-    `mismatches` grows by one list per pass, the Hamming distances of its offsets from left to right.
+    `mismatches` has a list per pass: the Hamming distances of its offsets from left to right.
     """
 
     def __init__(self, config: Config) -> None:
@@ -34,7 +34,7 @@ class Replay:
         """One clock: an operand write (tpl, wide, bank, row, word, data) and a step (`step_t`), either may be None.
 
         Raises:
-            AssertionError: where the schedule breaks its contract.
+            AssertionError: if the schedule breaks its contract.
         """
         c = self.config
         if mask != self.mask:
@@ -66,7 +66,7 @@ class Replay:
             return value >> shift & (1 << count) - 1
 
         g, s, ring = c.group_bits, step["tpl_step"], c.ring_rows
-        # (template row, its bits' place; search row; place of group's bits in the mask)
+        # Per group: template row, first bit in it, search row, first bit in the mask.
         if step["wide"]:
             groups = [(s, 0, step["ring_row"], 0), (s, g, step["ring_row"], g)]
         else:

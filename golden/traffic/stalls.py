@@ -1,4 +1,4 @@
-"""Stall shapes: endless streams of 0/1 that say whether an end of a stream is willing in a clock."""
+"""Stall shapes: endless streams of 0/1, whether one end of a handshake is ready in a clock."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SHAPES = ("none", "cyclic", "random", "long")
 
 
 def willing(shape: str, rng: random.Random) -> Iterator[int]:
-    """Endless willingness of `shape`: always; 1110 over and over; a fair coin; long runs of either.
+    """Endless stream of `shape`: always 1; 1110 over and over; a fair coin; long runs of either.
 
     Raises:
         ValueError: for an unknown shape.
@@ -20,10 +20,16 @@ def willing(shape: str, rng: random.Random) -> Iterator[int]:
     if shape == "cyclic":
         return cycle((1, 1, 1, 0))
     if shape == "random":
-        return iter(lambda: int(rng.random() < 0.5), None)
+        return coin(0.5, rng)
     if shape == "long":
         return _long(rng)
     raise ValueError(f"unknown stall shape {shape!r}: one of {', '.join(SHAPES)}")
+
+
+def coin(share: float, rng: random.Random) -> Iterator[int]:
+    """Endless independent values, 1 with probability `share` (0..1)."""
+    while True:
+        yield int(rng.random() < share)
 
 
 def _long(rng: random.Random) -> Iterator[int]:

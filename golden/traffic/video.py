@@ -1,15 +1,16 @@
-"""Video streams good and bad, as beats for an AXI4-Stream video input, with what must become of them."""
+"""Good and bad video streams as beats of an AXI4-Stream video input, and what the front end must make of them."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from golden.cycle.model import Inputs, Outputs
-from golden.log import Image
+from golden.cycle.bits import pack_coefs
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.log import Coefs, Image, binarise
 
 Beat = tuple[int, int, int]
 """tdata, tuser, tlast."""
@@ -19,13 +20,13 @@ BAD_KINDS = ("short_line", "long_line", "cut_line", "cut_frame", "extra_line", "
 
 @dataclass
 class Item:
-    """A stretch of video: beats, and what is expected of it."""
+    """A piece of a video stream: its beats, the frame to be accepted if any, and the drops to be counted."""
 
     beats: list[Beat]
     good: Image | None = None
     drops: int = 0
     drain_before: bool = False
-    """Wait until the front end is idle: what comes does not belong to the frame before."""
+    """Wait until the front end is idle, so that the beats do not belong to the frame before."""
 
 
 def texture(rng: random.Random, width: int, height: int) -> Image:
@@ -49,12 +50,12 @@ def _beats(image: Image) -> list[list[Beat]]:
 
 
 def good(image: Image) -> Item:
-    """A frame as it should be."""
+    """A correct frame."""
     return Item([b for line in _beats(image) for b in line], good=image)
 
 
 def bad(kind: str, image: Image, rng: random.Random) -> Item:
-    """A broken frame of one of BAD_KINDS: dropped once.
+    """A broken frame of one of BAD_KINDS, to be dropped once.
 
     Raises:
         ValueError: for an unknown kind.
@@ -81,13 +82,13 @@ def bad(kind: str, image: Image, rng: random.Random) -> Item:
 
 
 def stray(rng: random.Random, beats: int) -> Item:
-    """Pixels without a start of frame, long after any: counted as one dropped frame."""
+    """Pixels without a start of frame while the front end is idle: counted as one dropped frame."""
     return Item([(rng.getrandbits(8), 0, rng.getrandbits(1)) for _ in range(beats)], drops=1, drain_before=True)
 
 
 @dataclass
-class Seen:
-    """What came out: complete planes in order, and counts of the pulses."""
+class VideoRecord:
+    """The output of the front end: complete planes in order, and counts of the pulses."""
 
     group_bits: int
     width: int
@@ -106,8 +107,12 @@ class Seen:
     _fresh: bool = False
 
     def observe(self, i: Inputs, out: Outputs) -> None:
-        """Take one clock's outputs of the front end; asserts the order of its pulses."""
-        if i["rst_i"]:  # what was on its way is void
+        """Take the outputs of a clock.
+
+        Raises:
+            AssertionError: if the pulses come in a wrong order or a row is padded wrongly.
+        """
+        if i["rst_i"]:  # frames in flight are lost
             self._open = False
             self.clock += 1
             return
@@ -142,12 +147,42 @@ class Seen:
             self._open = False
         self.clock += 1
 
+    def check(self, items: list[Item], g: Coefs, g2: Coefs) -> None:
+        """Compare planes and counts with the frame level for `items` under the kernels `g` and `g2`.
+
+        Raises:
+            AssertionError: if a plane, the number of frames, or a count differs.
+        """
+        wanted = [binarise(i.good, g, g2) for i in items if i.good is not None]
+        assert len(self.planes) == len(wanted) == self.accepted > 0
+        for got, want in zip(self.planes, wanted, strict=True):
+            np.testing.assert_array_equal(got, want)
+        assert self.drops == sum(i.drops for i in items)
+        assert self.starts == self.aborts + self.accepted
+
+
+def settings_of(width: int, height: int, g: Coefs, g2: Coefs) -> Inputs:
+    """Image size in pixels and kernels as inputs of the front end."""
+    return {"width_i": width, "height_i": height, "g_i": pack_coefs(g), "g2_i": pack_coefs(g2)}
+
 
 def play(items: list[Item], settings: Inputs, offer: Iterator[int], rng: random.Random, gap: int = 0,
-         hold: Iterator[int] | None = None, most: int = 200_000) -> Generator[Inputs, Outputs, None]:
-    """Stimulus: the items one behind the other, `offer` saying when the source is willing; then until idle.
+         hold: Iterator[int] | None = None, most: int = 200_000) -> Stimulus:
+    """Stimulus: the items one after another, then until the front end is idle.
 
-    Garbage is on the data wires while there is nothing to send. `gap` is the longest random pause between items.
+    Data wires are random while nothing is offered.
+
+    Args:
+        items: what to send.
+        settings: further inputs, constant (see `settings_of`).
+        offer: whether the source is ready to send in a clock.
+        rng: of pauses and idle wires.
+        gap: longest random pause between items, clocks.
+        hold: values of `hold_i`; 0 throughout by default.
+        most: clocks allowed.
+
+    Raises:
+        AssertionError: if the stream does not move or the front end does not become idle.
     """
     idle_needed = 3
 
@@ -177,5 +212,5 @@ def play(items: list[Item], settings: Inputs, offer: Iterator[int], rng: random.
     while quiet < idle_needed:
         out = yield beat(None)
         clocks += 1
-        assert clocks < most, "the front end does not come to rest"
+        assert clocks < most, "the front end does not become idle"
         quiet = 0 if out["busy_o"] else quiet + 1

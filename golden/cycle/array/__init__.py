@@ -1,0 +1,1 @@
+"""Cycle models of the correlator array: its operands and the counting, with their common timing."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from golden.cycle.array.timing import core_latency, score_bits
+from golden.cycle.model import Inputs, Values
 
 
 class ArrayModel:
-    """Counts each lane's mismatches as the operands come in and schedules the pass's scores.
+    """Counts the mismatches of each lane as the operands arrive and schedules the scores of the pass.
 
-    Time stands still for the whole array while `move_i` is low. `mismatch_o` is undefined until what a reset left in
-    the data path has drained, unless a score is due; so is a score of a pass whose start a reset swallowed.
+    The whole array is frozen while `move_i` is low. After a reset `mismatch_o` is undefined until the data path has
+    drained, except when a score is due; the score of a pass whose first step was lost to a reset is undefined.
     """
 
     INPUTS = ("rst_i", "move_i", "mask_i", "valid_i", "first_i", "last_i", "lanes_i", "tpl_a_i", "tpl_b_i",
@@ -20,19 +21,19 @@ class ArrayModel:
         self.group_bits, self.lanes = group_bits, lanes
         self.latency = core_latency(group_bits)
         self.flush = score_bits(group_bits) + 4
-        self.now = 0  # clocks the array has moved
-        self.clean = self.flush  # time from which idle outputs are known
+        self.now = 0  # enabled clocks
+        self.clean = self.flush  # time from which idle outputs are defined
         self.due: dict[int, int | None] = {}  # time -> mismatch
         self.counts: list[int | None] = [None] * lanes
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge.
 
         Raises:
             ValueError: if two scores are due at once.
         """
         valid = self.now in self.due
-        out: dict[str, int | None] = {
+        out: Values = {
             "mismatch_valid_o": int(valid),
             "mismatch_o": self.due.get(self.now, 0 if self.now >= self.clean else None)}
         if i["rst_i"]:
@@ -46,7 +47,7 @@ class ArrayModel:
             self.now += 1
         return out
 
-    def _count(self, i: dict[str, int]) -> None:
+    def _count(self, i: Inputs) -> None:
         g = self.group_bits
         bits = (1 << g) - 1
         mask_a, mask_b = i["mask_i"] & bits, i["mask_i"] >> g

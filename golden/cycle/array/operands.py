@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections import deque
 
 from golden.cycle.array.timing import OPERAND_LATENCY, hold_clocks
+from golden.cycle.model import Inputs, Values
 from golden.structs import STEP
 
 
 class OperandsModel:
-    """Template banks and search ring as plain dictionaries of words; a step reads them when it comes in.
+    """Template banks and search ring as dictionaries of words, read when a step arrives.
 
-    Holds to the rules of the module: words are read only after they are written and not overwritten while they are
-    being read. A word never written makes the operand undefined.
+    Assumes the rules of the module: a word is written before it is read, and not overwritten while it is read. A word
+    never written makes the operand undefined.
     """
 
     INPUTS = ("rst_i", "wr_valid_i", "wr_tpl_i", "wr_wide_i", "wr_bank_i", "wr_row_i", "wr_word_i", "wr_data_i",
@@ -28,11 +29,11 @@ class OperandsModel:
         self.tpl: dict[tuple[int, int, int], int] = {}  # (bank, group, step) -> word
         self.ring: dict[tuple[int, int], int] = {}  # (row, word) -> word
         # Steps in flight, newest first: control bits and operands.
-        self.flight: deque[dict[str, int | None]] = deque([{"valid": 0}] * (OPERAND_LATENCY - 1))
-        self.out: dict[str, int | None] = dict.fromkeys(self.OUTPUTS)
+        self.flight: deque[Values] = deque([{"valid": 0}] * (OPERAND_LATENCY - 1))
+        self.out: Values = dict.fromkeys(self.OUTPUTS)
         self.hold = 0
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.out
         ready = self.flight.pop()
@@ -51,7 +52,7 @@ class OperandsModel:
             self._write(i)
         return out
 
-    def _write(self, i: dict[str, int]) -> None:
+    def _write(self, i: Inputs) -> None:
         row, word, data = i["wr_row_i"], i["wr_word_i"], i["wr_data_i"]
         if not i["wr_tpl_i"]:
             self.ring[row, word] = data
@@ -60,8 +61,8 @@ class OperandsModel:
         else:
             self.tpl[i["wr_bank_i"], row & 1, row >> 1] = data
 
-    def _operands(self, s: dict[str, int]) -> dict[str, int | None]:
-        operands: dict[str, int | None] = {name: s[name] for name in ("valid", "first", "last", "row_b")}
+    def _operands(self, s: dict[str, int]) -> Values:
+        operands: Values = {name: s[name] for name in ("valid", "first", "last", "row_b")}
         operands["lanes"] = s["lanes"] & self.lane_mask
         if s["valid"]:
             row_b = s["ring_row"] if s["wide"] else (s["ring_row"] + 1) % self.ring_rows
@@ -73,7 +74,7 @@ class OperandsModel:
         return operands
 
     def _units(self, row: int, unit: int) -> int | None:
-        """Three units of a ring row from `unit` on, the first in the lowest bits."""
+        """Three units of `pitch` bits of a ring row from `unit` on, the first in the lowest bits."""
         value = 0
         for k in range(3):
             word = self.ring.get((row, (unit + k) >> 1))

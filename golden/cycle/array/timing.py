@@ -1,6 +1,6 @@
-"""Timing of `slog_operands` and `slog_array` (rtl/slog_array_pkg.sv says the same).
+"""Timing of `slog_operands` and `slog_array`, as in rtl/array/slog_array_pkg.sv.
 
-All counts are clocks from the clock in which `slog_operands`' step is valid; `group_bits` is a power of two.
+All counts are clocks from the one in which the step of `slog_operands` is valid; `group_bits` is a power of two.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ REUSE_CLOCKS = 4
 """Step to the first write that may overwrite a word the step reads."""
 
 
-def levels(group_bits: int) -> int:
+def popcount_levels(group_bits: int) -> int:
     """Levels of the popcount heap: both groups together hold 2**(levels + 1) bits."""
     return (group_bits - 1).bit_length()
 
 
 def score_bits(group_bits: int) -> int:
-    """Bits of a count of mismatches, 0..(2*group_bits)**2."""
-    return 2 * levels(group_bits) + 3
+    """Values of a count of mismatches, 0..(2*group_bits)**2."""
+    return 2 * popcount_levels(group_bits) + 3
 
 
 def core_latency(group_bits: int) -> int:
@@ -28,7 +28,7 @@ def core_latency(group_bits: int) -> int:
 
     Hop 1, XOR 1, heap levels, accumulator 1 + `score_bits` (bit 0 first), lane selection 3.
     """
-    return levels(group_bits) + score_bits(group_bits) + 6
+    return popcount_levels(group_bits) + score_bits(group_bits) + 6
 
 
 def array_latency(group_bits: int) -> int:
@@ -43,4 +43,4 @@ def hold_clocks(group_bits: int, lanes: int) -> int:
 
 def drain_clocks(group_bits: int, lanes: int) -> int:
     """Clocks without a valid step after which the mask may change."""
-    return OPERAND_LATENCY + lanes + levels(group_bits)
+    return OPERAND_LATENCY + lanes + popcount_levels(group_bits)

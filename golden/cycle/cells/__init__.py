@@ -1,0 +1,1 @@
+"""Cycle models of the general cells: RAM, multiplier, queues and the register stage."""

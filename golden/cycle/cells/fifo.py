@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections import deque
 
+from golden.cycle.model import Inputs, Values
+
 
 class FifoModel:
-    """Queue of `depth` words; the front is offered combinationally. Data is undefined while empty."""
+    """Queue of `depth` words, at least 1; the front word is at the output. Data are undefined while empty."""
 
     INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
     OUTPUTS = ("in_ready_o", "out_valid_o", "out_data_o", "level_o")
@@ -15,10 +17,10 @@ class FifoModel:
         self.depth = depth
         self.words: deque[int] = deque()
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         w = self.words
-        out: dict[str, int | None] = {
+        out: Values = {
             "in_ready_o": int(len(w) < self.depth),
             "out_valid_o": int(bool(w)),
             "out_data_o": w[0] if w else None,

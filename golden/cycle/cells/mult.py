@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from golden.cycle.bits import signed
+from golden.cycle.model import Inputs, Values
+
 BITS = 18
-
-
-def signed(value: int, bits: int) -> int:
-    """Two's complement `bits`-bit `value` as a Python integer."""
-    return value - (1 << bits) if value >> (bits - 1) else value
+"""Bits of a factor."""
 
 
 class MultModel:
-    """Signed 18 x 18 -> 36 bits in three registers; b, a coefficient, is taken over while the enable is low."""
+    """Signed 18 x 18 -> 36 bits in three registers; b, a coefficient, is loaded while `en_i` is low.
+
+    The product is undefined until three enabled clocks have followed the load.
+    """
 
     INPUTS = ("en_i", "a_i", "b_i")
     OUTPUTS = ("p_o",)
@@ -22,7 +24,7 @@ class MultModel:
         self.product: int | None = None
         self.out: int | None = None
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.out
         if i["en_i"]:

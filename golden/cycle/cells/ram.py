@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from golden.cycle.model import Inputs, Values
+
 
 class RamModel:
-    """One write and one read port; a read's word appears two clocks later and stays until the next read's."""
+    """One write and one read port; the word read appears two clocks later and is held until the next one."""
 
     INPUTS = ("wr_en_i", "wr_addr_i", "wr_data_i", "rd_en_i", "rd_addr_i")
     OUTPUTS = ("rd_data_o",)
@@ -14,7 +16,7 @@ class RamModel:
         self.read: int | None = None
         self.out: int | None = None
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.out
         self.out = self.read

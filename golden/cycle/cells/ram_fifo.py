@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import deque
 
+from golden.cycle.model import Inputs, Values
+
 OUT_DEPTH = 6
-"""Places of the register queue behind the RAM."""
+"""Words of the register queue behind the RAM."""
 
 
 class RamFifoModel:
-    """Queue of `depth` words: a clock to the RAM, two of reading, a short queue; a word that left counts for one.
+    """Queue of `depth` words: one clock into the RAM, two to read it, then a short queue of registers.
 
-    Data is undefined while not valid.
+    A word counts towards the level for one clock after it leaves. Data are undefined while not valid.
     """
 
     INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
@@ -22,7 +24,7 @@ class RamFifoModel:
         self.clear()
 
     def clear(self) -> None:
-        """Empty it."""
+        """Empty the queue."""
         self.coming: int | None = None
         self.stored: deque[int] = deque()
         self.flying: deque[int | None] = deque([None, None])
@@ -32,14 +34,14 @@ class RamFifoModel:
 
     @property
     def level(self) -> int:
-        """Words inside, and those just gone."""
+        """Words in the queue, plus the one that left in the clock before."""
         moving = sum(w is not None for w in (self.coming, *self.flying))
         return len(self.stored) + len(self.front) + moving + self.left
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         level = self.level
-        out: dict[str, int | None] = {
+        out: Values = {
             "in_ready_o": int(level < self.depth),
             "out_valid_o": int(bool(self.front)),
             "out_data_o": self.front[0] if self.front else None,
@@ -48,9 +50,9 @@ class RamFifoModel:
         if i["rst_i"]:
             self.clear()
             return out
-        # A place is spoken for from the clock after the read to the clock after the pop; another is kept for that read.
-        spoken = level - len(self.stored) - sum(w is not None for w in (self.coming, self.flying[-1]))
-        read = self.stored and spoken <= OUT_DEPTH - 2
+        # A register is reserved from the clock after the read to the clock after the pop; one more for this read.
+        reserved = level - len(self.stored) - sum(w is not None for w in (self.coming, self.flying[-1]))
+        read = self.stored and reserved <= OUT_DEPTH - 2
         self.flying.append(self.stored.popleft() if read else None)
         self.left = int(bool(self.front and i["out_ready_i"]))
         if self.left:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from golden.cycle.model import Inputs, Values
+
 
 class StageModel:
-    """One register between two handshakes; `half` takes a word only when empty. Data is undefined while not offered."""
+    """One register between two handshakes; `half` takes a word only when empty. Data are undefined when not valid."""
 
     INPUTS = ("rst_i", "in_valid_i", "in_data_i", "out_ready_i")
     OUTPUTS = ("in_ready_o", "out_valid_o", "out_data_o")
@@ -13,10 +15,10 @@ class StageModel:
         self.half = half
         self.word: int | None = None
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         ready = self.word is None or bool(i["out_ready_i"] and not self.half)
-        out: dict[str, int | None] = {"in_ready_o": int(ready), "out_valid_o": int(self.word is not None),
+        out: Values = {"in_ready_o": int(ready), "out_valid_o": int(self.word is not None),
                                       "out_data_o": self.word}
         if i["rst_i"]:
             self.word = None

@@ -1,0 +1,1 @@
+"""Cycle models of the control side: AXI4-Lite registers, filter coefficients, peek port, counters."""

@@ -1,4 +1,4 @@
-"""Cycle models of `slog_control` and its parts: coefficient bank, peek port, counters, registers."""
+"""Cycle model of `slog_control`, with its counters; registers, coefficients and peek port are models of their own."""
 
 from __future__ import annotations
 
@@ -18,13 +18,20 @@ STORED = {
     "job.step.y": 0, "job.submit.tag": 0, "job.submit.surface": 0, "peek_address.word": 0,
     "irq_enable.result": 0, "irq_enable.capture": 0, "irq_enable.drop": 0, "irq_enable.overflow": 0,
 }
+"""Fields the host writes and the block keeps, with their reset values."""
 OVERFLOW = 5
-"""Its place among the counters."""
+"""Index of the overflow counter among the counters."""
 EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
+"""Interrupt causes that stay set until the host clears them."""
 
 
 class ControlModel:
-    """`slog_control`: every output comes from registers, so `outputs` needs no inputs."""
+    """Every output comes from registers, so `outputs` needs no inputs.
+
+    Args:
+        config: the build.
+        fields: the register map, as in `CsrModel`.
+    """
 
     INPUTS = ("rst_i", *CsrModel.INPUTS, "active_i", "accepted_i", "dropped_i", "slot_valid_i", "armed_i", "writing_i",
               "refused_i", "captured_i", "job_ready_i", "job_level_i", "job_busy_i", "result_valid_i", "result_i",
@@ -40,13 +47,14 @@ class ControlModel:
         self.peek = PeekModel(config.group_bits, config.store_words)
         self.counts = [0] * 10
         self.irq = 0
-        # What the registers see: the clock before.
+        # Inputs of the register block, from the clock before.
         self.shown: dict[str, int | None] = {}
         self.events = dict.fromkeys(EVENTS, 0)
         self.peek_wait = False
-        self.happened, self.counted = [0] * len(self.counts), [0] * len(self.counts)  # one and two clocks before
-        self.seen, self.refused = 0, False  # a result; the front one's job was refused: one clock before
-        self.pops = (0, 0, 0)  # the host's order to drop a result, one to three clocks before
+        # Events of one and two clocks before.
+        self.happened, self.counted = [0] * len(self.counts), [0] * len(self.counts)
+        self.seen, self.refused = 0, False  # one clock before: a result is there; it is of a refused job
+        self.pops = (0, 0, 0)  # pop commands of the host, one to three clocks before
 
     def outputs(self) -> dict[str, int | None]:
         """Outputs of this clock."""
@@ -71,7 +79,7 @@ class ControlModel:
         }
 
     def status(self, i: Mapping[str, int], result: int | None) -> dict[str, int | None]:
-        """Fields driven by hardware as the host would read them in this clock."""
+        """Fields driven by hardware, by dotted path, as the host would read them in this clock; None if undefined."""
         c = self.config
         r: dict[str, int | None] = dict.fromkeys(name for name, _ in RESULT.fields)
         if result is not None:
@@ -106,7 +114,7 @@ class ControlModel:
         return status
 
     def edge(self, i: Mapping[str, int], result: int | None, peek_data: int | None) -> None:
-        """Take the clock edge; `result_i` and `peek_data_i`, which may be undefined, stand apart."""
+        """Take the clock edge; `result` and `peek_data` are `result_i` and `peek_data_i`, None if undefined."""
         v = self.csr.value
         overflow = int(v["job.submit.go"] and not i["job_ready_i"])
         events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.csr.taken
@@ -114,7 +122,7 @@ class ControlModel:
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
         self.peek_wait = not self.peek.ready or bool(v["peek_address.go"])
         found = self.csr.found
-        if found is not None and not found.is_write:  # otherwise nobody reads in the next clock
+        if found is not None and not found.is_write:  # otherwise nothing is read in the next clock
             self.shown = self.status(i, result)
         taken = bool(self.seen and self.pops[2])
         refused, seen = self.refused, self.seen
@@ -147,7 +155,7 @@ class ControlModel:
         self.irq = int(bool(irq))
 
     def step(self, i: Mapping[str, int]) -> dict[str, int | None]:
-        """Outputs of this clock, then the clock edge."""
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.outputs()
         self.edge(i, i["result_i"], i["peek_data_i"])
         return out

@@ -1,4 +1,4 @@
-"""Cycle model of `slog_axil` and the generated register block: AXI4-Lite side, storage, read path."""
+"""Cycle model of `slog_axil` and the generated `slog_csr`: AXI4-Lite side, storage, read path."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Protocol
 
 
 class FieldPlace(Protocol):
-    """Where a field lives: `sim.registers.Field`."""
+    """Place of a field: byte address of its register, lowest bit, width (`sim.registers.map.Field`)."""
 
     @property
     def address(self) -> int: ...
@@ -20,7 +20,7 @@ class FieldPlace(Protocol):
 
 @dataclass(frozen=True)
 class Request:
-    """One access: its byte address, and of a write its data and byte strobes."""
+    """An access: its byte address, and the data and byte strobes of a write."""
 
     address: int
     is_write: bool
@@ -35,7 +35,7 @@ class CsrModel:
         fields: every field by dotted path.
         stored: fields the host writes and the block keeps, with their reset values.
         cleared: stored fields that hardware sets and the host clears by writing 1.
-        waits: field whose reads wait until the hardware is ready.
+        waits: field of the waiting register, whose reads wait until the hardware is ready.
     """
 
     INPUTS = ("s_axil_awaddr", "s_axil_awprot", "s_axil_awvalid", "s_axil_wdata", "s_axil_wstrb", "s_axil_wvalid",
@@ -61,17 +61,17 @@ class CsrModel:
         self.ar: int | None = None
         self.aw: int | None = None
         self.w: tuple[int, int] | None = None
-        self.ar_settled = self.aw_settled = self.w_settled = False  # ... since the clock before
+        self.ar_settled = self.aw_settled = self.w_settled = False  # held since the clock before
         self.under_way, self.read_last = False, False
         self.begun: Request | None = None  # the access that begins in this clock
-        self.asked: Request | None = None  # that of the clock before, on its way
-        self.request: Request | None = None
-        self.parted: Request | None = None  # the request of the clock before, its address in two halves
-        self.found: Request | None = None  # that of two clocks before, its strobe on its way
-        self.decoded: Request | None = None  # that of three clocks before, at its register
-        self.read: tuple[int | None] | None = None  # what the one of four clocks before reads
-        self.read2: tuple[int | None] | None = None  # ... and of five
-        self.answer: tuple[int | None] | None = None  # what the read path answers in this clock
+        self.asked: Request | None = None  # the access that began in the clock before
+        self.request: Request | None = None  # the request at the register block
+        self.parted: Request | None = None  # the request of the clock before
+        self.found: Request | None = None  # the request of two clocks before
+        self.decoded: Request | None = None  # the request of three clocks before, at its register
+        self.read: tuple[int | None] | None = None  # the value read by the request of four clocks before
+        self.read2: tuple[int | None] | None = None  # the value read by the request of five clocks before
+        self.answer: tuple[int | None] | None = None  # the value the read path returns in this clock
         self.bvalid, self.rvalid = False, False
 
     def chosen(self, wait: bool) -> Request | None:
@@ -109,7 +109,7 @@ class CsrModel:
         Args:
             i: inputs.
             status: values of the fields hardware drives, None if undefined.
-            events: hardware's wish to set a `cleared` field.
+            events: whether hardware sets each `cleared` field.
             wait: the waiting register is not ready.
         """
         if self.answer is not None:
@@ -135,7 +135,7 @@ class CsrModel:
         elif ended:
             self.under_way = False
 
-        # What waits, and what comes in where nothing did
+        # The requests that wait, and new ones where none does.
         ar, aw, w = self.ar, self.aw, self.w
         self.ar_settled = ar is not None and not (begun is not None and not begun.is_write)
         self.aw_settled = aw is not None and not (begun is not None and begun.is_write)
@@ -153,7 +153,7 @@ class CsrModel:
             self.w = (i["s_axil_wdata"], i["s_axil_wstrb"])
 
     def _store(self, request: Request | None, events: Mapping[str, int]) -> None:
-        """Let a write and the hardware's events change the fields."""
+        """Apply a write and the events of the hardware to the fields."""
         pulses = dict.fromkeys(self.pulses, 0)
         if request is not None:
             enable = sum(0xFF << 8 * b for b in range(4) if request.strobes >> b & 1)

@@ -7,48 +7,49 @@ from collections import deque
 from golden.params import COEF_BITS, Config
 
 SETTLE = 12
-
-
+"""Clocks without an active camera before a commit takes effect."""
 
 class FilterBankModel:
-    """`slog_filter_bank`: coefficients as lists, centre first; the active ones are undefined until shifted in."""
+    """Coefficients as lists, centre first; the active ones are undefined until they are shifted in."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
         self.active: dict[int, list[int | None]] = {kernel: [None] * config.coefs for kernel in (0, 1)}
-        self.load: int | None = None  # clocks since the shifting was ordered
+        self.load: int | None = None  # clocks since shifting began
         self.reset()
 
     def reset(self) -> None:
-        """State after reset: zeros are being shifted in; a shift in the clock of the reset still takes place."""
+        """State after reset: zeros are being shifted in. A shift in the clock of the reset is still done."""
         self._shift()
         zeros = [0] * self.config.coefs
         self.staged = {0: list(zeros), 1: list(zeros)}
         self.settle, self.pending, self.error, self.changed = 0, 0, 0, 0
-        self.camera = False  # one was active in the clock before
-        # Coefficients on their way to be staged: kernel, index, value.
+        self.camera = False  # a camera was active in the clock before
+        # Coefficients to be staged: kernel, index, value.
         self.coming: deque[tuple[int, int, int] | None] = deque([None] * 5, 5)
         self.hold = [1] * self.config.cameras
-        self.taking: tuple[int, int] | None = None  # size to be put in use
+        self.taking: tuple[int, int] | None = None  # size that takes effect in this clock
         self.load = 1
         self.clearing = True
-        self.read = self.next = {0: 0, 1: 0}  # what the first coefficients take, in the next clock and now
+        self.read = self.next = {0: 0, 1: 0}  # inputs of the first coefficients in the next clock and in this one
         self.size = (self.config.max_width, self.config.max_height)
 
     @property
     def busy(self) -> int:
-        """A commit waits, or coefficients are shifted in."""
+        """1 while a commit is pending or coefficients are shifted in."""
         return int(self.pending or self.taking is not None or self.load is not None)
 
     def coefs(self, second: int) -> int | None:
-        """The packed active coefficients."""
+        """The packed active coefficients of g (0) or g2 (1); None if undefined."""
         values = [v for v in self.active[second] if v is not None]
         whole = len(values) == self.config.coefs
         return sum(v << COEF_BITS * k for k, v in enumerate(values)) if whole else None
 
     def _shift(self) -> None:
-        """Shift p reaches coefficient k of g in clock 4 + 2 * p + coefs - 1 - k of the loading, of g2 in the next;
-        two clocks after the last one it ends."""
+        """Shift p reaches coefficient k of g in clock 4 + 2 * p + coefs - 1 - k of the load, of g2 one clock later.
+
+        The load ends two clocks after the last shift.
+        """
         if self.load is None:
             return
         count = self.config.coefs
@@ -58,7 +59,7 @@ class FilterBankModel:
             for k in (at + kernel for at in shifted):
                 if 0 <= k < count:
                     values[k] = before[k]
-        place = count - 1 - sum(k <= 0 for k in shifted)  # of the next shift to come
+        place = count - 1 - sum(k <= 0 for k in shifted)  # coefficient of the next shift
         self.next = self.read
         if place >= 0:
             self.read = {kernel: 0 if self.clearing else self.staged[kernel][place] for kernel in (0, 1)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class PeekModel:
-    """`slog_peek`."""
+    """Reads words of the store in order, a 32-bit part at a time."""
 
     def __init__(self, group_bits: int, store_words: int) -> None:
         self.store_words, self.chunks = store_words, -(-group_bits // 32)
@@ -16,17 +16,17 @@ class PeekModel:
         self.valid = self.outside = self.done = False
         self.have = True
         self.word: int | None = 0
-        self.coming: int | None = None  # what the store showed in the clock before
+        self.coming: int | None = None  # peek_data_i of the clock before
         self.chunk, self.address = 0, 0
 
     @property
     def data(self) -> int | None:
-        """What the next read gets; None if undefined."""
+        """The part that the next read returns; None if undefined."""
         return None if self.word is None else self.word >> 32 * self.chunk & 0xFFFFFFFF
 
     @property
     def ready(self) -> bool:
-        """`data` may be read."""
+        """`data` is valid."""
         return self.have and not self.go
 
     def edge(self, *, go: int, address: int, take: bool, ready: int, done: int, data: int | None) -> None:

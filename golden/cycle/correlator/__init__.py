@@ -1,0 +1,1 @@
+"""Cycle models from the job queue to the steps of the array: grid, check, plan, fetch, sequencer."""

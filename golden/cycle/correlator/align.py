@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from golden.cycle.model import Inputs, Values
+
 
 class AlignModel:
-    """Pairs each store word with the next clock's input and shifts it down; what comes without a word is undefined."""
+    """Pairs each store word with the next clock's word and shifts the pair right; else undefined."""
 
     INPUTS = ("rst_i", "in_valid_i", "in_emit_i", "in_data_i", "in_shift_i", "in_side_i")
     OUTPUTS = ("out_valid_o", "out_data_o", "out_side_o")
@@ -19,7 +21,7 @@ class AlignModel:
         self.out: int | None = None
         self.side: list[int | None] = [None] * self.latency
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = {"out_valid_o": self.valid[-1], "out_data_o": self.out, "out_side_o": self.side[-1]}
         self.out = self.data[-1]

@@ -10,19 +10,20 @@ from golden.correlate import Status
 from golden.cycle.correlator.align import AlignModel
 from golden.cycle.correlator.job_check import JobCheckModel
 from golden.cycle.correlator.job_plan import loads
+from golden.cycle.model import Inputs, Values
 from golden.cycle.store.store import STORE_LATENCY
 from golden.params import Config
 from golden.structs import TICKET, unpack_job
 
 PAUSE = 3
-"""Clocks between a job's two rectangles: the end is noticed, the next plan taken, its first row begun."""
-ASKED = 2
-"""Clocks from the choice of a word to its store read: its address is made, and travels."""
+"""Clocks between a job's two rectangles: end detected, next plan loaded, first row begun."""
+READ_DELAY = 2
+"""Clocks from the choice of a word to its store read: address computed, address registered."""
 
 
 @dataclass(frozen=True)
 class Read:
-    """One store read and what becomes of it: aligned word `word` of operand row `row`, if `emit`."""
+    """A store read and its use: where `emit` is set, it gives aligned word `word` of operand row `row`."""
 
     addr: int
     shift: int
@@ -39,7 +40,7 @@ class Read:
 
 
 class FetchModel:
-    """Job by job: check, ticket, template reads, search reads; the reads of a job are laid out when it is accepted."""
+    """Per job: check, ticket, template reads, search reads; all reads of a job are listed when it is accepted."""
 
     INPUTS = ("rst_i", "job_valid_i", "job_i", "image_width_i", "image_height_i", "slot_valid_i", "rd_data_i",
               "ticket_ready_i", "rows_freed_i", "bank_free_i")
@@ -56,7 +57,7 @@ class FetchModel:
         self.ticket: int | None = None
         self.data = 0  # rd_data_i of the clock before
         self.slot_valid = 0  # slot_valid_i of the clock before
-        self.sides: list[Read] = []  # by number: a side word of the align model
+        self.sides: list[Read] = []  # indexed by the side words of the align model
         self._reset()
 
     def _reset(self) -> None:
@@ -66,17 +67,17 @@ class FetchModel:
         self.banks_used = 0
         self.bank = 1
         self.reads: deque[Read] = deque()
-        self.flight: list[int | None] = [None] * (ASKED + STORE_LATENCY + 2)
+        self.flight: list[int | None] = [None] * (READ_DELAY + STORE_LATENCY + 2)
         self.pause = 0  # clocks before the next rectangle's first read
         self.ring, self.full = 0, False
-        self.limits = deque([self.config.ring_rows] * 2)  # of the next clock, of the one after it
+        self.limits = deque([self.config.ring_rows] * 2)  # for the next clock and the one after
         self.rows_written = 0
         self.tpl_done = 0
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         c = self.config
-        arriving, asking = self.flight[-1], self.flight[ASKED]
+        arriving, asking = self.flight[-1], self.flight[READ_DELAY]
         aligned = self.align.step({
             "rst_i": i["rst_i"], "in_valid_i": int(arriving is not None),
             "in_emit_i": int(arriving is not None and self.sides[arriving].emit), "in_data_i": self.data,
@@ -88,7 +89,7 @@ class FetchModel:
                                    "job_i": self.job})
         self.slot_valid = i["slot_valid_i"]
         state = self.state
-        out: dict[str, int | None] = {
+        out: Values = {
             "job_ready_o": int(self.state == "idle"), "slot_busy_o": self.busy_slots,
             "rd_valid_o": int(asking is not None), "rd_addr_o": None if asking is None else self.sides[asking].addr,
             "wr_valid_o": aligned["out_valid_o"], "wr_data_o": aligned["out_data_o"],
@@ -98,13 +99,13 @@ class FetchModel:
             "ticket_valid_o": int(self.offered), "ticket_o": self.ticket, "tpl_done_o": self.tpl_done,
             "rows_written_o": self.rows_written, "busy_o": int(self.state != "idle" or self.offered)}
 
-        # A word written.
+        # Operand write.
         if aligned["out_valid_o"] and side is not None and side.row_end:
             if not side.tpl:
                 self.rows_written = (self.rows_written + 1) % self.counter
             elif side.load_end:
                 self.tpl_done |= 1 << side.bank
-        # A read.
+        # Store read.
         ring = self.ring
         self.flight.pop()
         paused, self.pause = self.pause, max(self.pause - 1, 0)
@@ -124,7 +125,7 @@ class FetchModel:
             self.flight.insert(0, None)
         self.full = self.ring == self.limits.popleft()
         self.limits.append((i["rows_freed_i"] + c.ring_rows) % self.counter)
-        # The job.
+        # Job state.
         free_bank = self.banks_used < 2
         self.banks_used -= i["bank_free_i"]
         offered = self.offered
@@ -169,7 +170,7 @@ class FetchModel:
         return out
 
     def _layout(self) -> Iterator[Read]:
-        """Every read of the present job: word by word, row by row, template before search."""
+        """Every read of the current job: template before search, row by row, word by word."""
         c = self.config
         job = unpack_job(self.job)
         for tpl, load in zip((True, False), loads(job, c), strict=True):

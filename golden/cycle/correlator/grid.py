@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import deque
 
 from golden.correlate import Job, grid
+from golden.cycle.model import Inputs, Values
 from golden.structs import pack_job, unpack_job
 
 
 class GridModel:
-    """Offers the jobs of one command after another, with a clock between any two; a count of 0 is taken as 1.
+    """Offers the jobs of a command one by one, with an idle clock between any two; a count of 0 acts as 1.
 
-    A job leaves only where there was room in the clock before. The job is undefined while not valid.
+    A job is offered only if `job_ready_i` was set in the clock before. `job_o` is undefined while not valid.
     """
 
     INPUTS = ("rst_i", "job_valid_i", "job_i", "count_x_i", "count_y_i", "step_x_i", "step_y_i", "job_ready_i")
@@ -19,13 +20,13 @@ class GridModel:
 
     def __init__(self) -> None:
         self.jobs: deque[Job] = deque()
-        self.between = self.room = False
+        self.between = self.room = False  # the idle clock; job_ready_i in the clock before
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         jobs = self.jobs
         valid = bool(jobs) and not self.between and self.room
-        out: dict[str, int | None] = {"job_ready_o": int(not jobs), "job_valid_o": int(valid),
+        out: Values = {"job_ready_o": int(not jobs), "job_valid_o": int(valid),
                                       "job_o": pack_job(jobs[0]) if valid else None}
         self.between, self.room = False, bool(i["job_ready_i"])
         if i["rst_i"]:

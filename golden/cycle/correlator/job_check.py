@@ -1,13 +1,14 @@
-"""Cycle models of `slog_job_check` and `slog_job_plan`."""
+"""Cycle model of `slog_job_check`."""
 
 from __future__ import annotations
 
 from golden.correlate import Job, Status, check
+from golden.cycle.model import Inputs, Values
 from golden.params import SCORE_BITS, Config
 from golden.structs import unpack_job
 
 CHECK_LATENCY = 9
-"""Clocks from start to done of `slog_job_check`."""
+"""Clocks from start to done."""
 
 
 class JobCheckModel:
@@ -22,7 +23,7 @@ class JobCheckModel:
         self.answer: tuple[Status, int] | None = None
         self.job: Job | None = None
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         known = self.answer if self.left <= 1 else None
         out = {"done_o": int(self.left == 1), "status_o": None if known is None else int(known[0]),
@@ -40,5 +41,3 @@ class JobCheckModel:
                 self.answer = None
             self.left = 0
         return out
-
-

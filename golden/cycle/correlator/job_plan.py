@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from golden.correlate import Job, Status, check
+from golden.cycle.model import Inputs, Values
 from golden.params import Config
 from golden.structs import LOAD, unpack_job
 
 
 def plan_latency(config: Config) -> int:
-    """Clocks from start to right outputs of `slog_job_plan`."""
+    """Clocks from start to valid outputs."""
     return config.words_per_row.bit_length() + 5
-
 
 
 @dataclass(frozen=True)
 class Load:
-    """A rectangle of bits in the store: `rows` rows of `bits` bits from column `x` of line `line` (all slots' rows)."""
+    """A rectangle of bits in the store: `rows` rows of `bits` bits from column `x` of line `line` (over all slots)."""
 
     line: int
     x: int
@@ -25,12 +25,11 @@ class Load:
     rows: int
 
     def packed(self, config: Config) -> int:
-        """As a `load_t`."""
+        """The rectangle as a packed `load_t`."""
         g = config.group_bits
         touched = range(self.x // g, (self.x + self.bits - 1) // g + 1)
         return LOAD.pack({"addr": self.line * config.words_per_row + touched[0], "shift": self.x % g,
                           "words_in": len(touched) - 1, "words_out": -(-self.bits // g) - 1, "rows": self.rows - 1})
-
 
 
 def loads(job: Job, config: Config) -> tuple[Load, Load]:
@@ -40,9 +39,8 @@ def loads(job: Job, config: Config) -> tuple[Load, Load]:
                  job.width + job.offsets_x - 1, job.height + job.offsets_y - 1))
 
 
-
 class JobPlanModel:
-    """Undefined from a start, which brings the next job, until `plan_latency` later, and for jobs no image can hold."""
+    """The loads of a job; undefined from a start until `plan_latency` clocks later, and for jobs no image can hold."""
 
     INPUTS = ("rst_i", "start_i", "job_i")
     OUTPUTS = ("tpl_o", "search_o")
@@ -52,11 +50,11 @@ class JobPlanModel:
         self.left = 0
         self.answer: tuple[int, int] | None = None
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         c = self.config
         known = self.answer if self.left <= 1 and not i["start_i"] else None
-        out: dict[str, int | None] = {"tpl_o": None if known is None else known[0],
+        out: Values = {"tpl_o": None if known is None else known[0],
                                       "search_o": None if known is None else known[1]}
         if self.left > 1:
             self.left -= 1

@@ -1,16 +1,17 @@
-"""Cycle models of `slog_walker` and `slog_sequencer`."""
+"""Cycle model of `slog_sequencer`."""
 
 from __future__ import annotations
 
 from collections import deque
 
 from golden.correlate import Status
-from golden.cycle.correlator.walker import WalkerModel, counts
-from golden.structs import CONTEXT, ROW, TICKET, unpack_job
+from golden.cycle.correlator.walker import WalkerModel, row_counts
+from golden.cycle.model import Inputs, Values
+from golden.structs import CONTEXT, STEP_ROW, TICKET, unpack_job
 
 
 class SequencerModel:
-    """Front of the sequencer (ticket, context, mask, grants, rows) before a `WalkerModel`."""
+    """Ticket, context, mask, grants and rows of offsets, followed by a `WalkerModel`."""
 
     INPUTS = ("rst_i", "ticket_valid_i", "ticket_i", "tpl_done_i", "rows_written_i", "ctx_ready_i", "row_ready_i")
     OUTPUTS = ("ticket_ready_o", "rows_freed_o", "bank_free_o", "ctx_valid_o", "ctx_o", "row_valid_o", "row_offsets_o",
@@ -21,7 +22,7 @@ class SequencerModel:
         self.group_bits, self.pitch, self.ring_rows = group_bits, pitch, ring_rows
         self.walker = WalkerModel(pitch, ring_rows, drain_clocks)
         self.word: int | None = None
-        self.masks: deque[int | None] = deque([None] * 5)  # of the next clocks
+        self.masks: deque[int | None] = deque([None] * 5)  # mask_o of the coming clocks, the next first
         self._reset()
 
     def _reset(self) -> None:
@@ -29,10 +30,10 @@ class SequencerModel:
         self.ctx_valid = self.row_valid = self.granted = False
         self.token: int | None = None
         self.mask_width = 0
-        self.there = False  # the operands of the row asked for are loaded
+        self.loaded = False  # the operands of the requested row are loaded
         self.dy = 0
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         walked = self.walker.step({"rst_i": i["rst_i"], "row_valid_i": int(self.token is not None),
                                    "row_i": self.token or 0})
@@ -44,7 +45,7 @@ class SequencerModel:
             ctx = CONTEXT.pack({"tag": job.tag, "surface": job.surface, "status": ticket["status"],
                                 "offsets_x": job.offsets_x, "offsets_y": job.offsets_y, "area": ticket["area"]})
         self.masks.append(self._mask(self.mask_width))
-        out: dict[str, int | None] = {
+        out: Values = {
             "ticket_ready_o": int(idle), "rows_freed_o": walked["rows_freed_o"], "bank_free_o": walked["bank_free_o"],
             "ctx_valid_o": int(self.ctx_valid), "ctx_o": ctx, "row_valid_o": int(self.row_valid),
             "row_offsets_o": None if job is None else job.offsets_x, "step_valid_o": walked["step_valid_o"],
@@ -76,7 +77,7 @@ class SequencerModel:
                 ahead = (i["rows_written_i"] - need) % (2 * self.ring_rows)
                 if self.dy == job.offsets_y:
                     self.state = "idle"
-                elif self.granted and self.there:
+                elif self.granted and self.loaded:
                     self.token = self._row(ticket)
                     self.granted = False
                     self.dy += 1
@@ -85,7 +86,7 @@ class SequencerModel:
                         self.row_valid, self.granted = False, True
                 elif not self.granted and not token_pending:
                     self.row_valid = True
-                self.there = ahead < self.ring_rows and ticket_done(i["tpl_done_i"], ticket["bank"])
+                self.loaded = ahead < self.ring_rows and bool(i["tpl_done_i"] >> ticket["bank"] & 1)
         if i["rst_i"]:
             self._reset()
         return out
@@ -95,7 +96,7 @@ class SequencerModel:
         return window if width > self.group_bits else window << self.group_bits | window
 
     def _row(self, ticket: dict[str, int]) -> int:
-        """The present row of offsets as a packed `row_t`."""
+        """The current row of offsets as a packed `row_t`."""
         job = unpack_job(ticket["job"])
         wide = job.width > self.group_bits
         steps = job.height if wide else -(-job.height // 2)
@@ -104,13 +105,8 @@ class SequencerModel:
         top = ticket["row"] + self.dy
         final = self.dy == job.offsets_y - 1
         before = last_lanes if self.dy else self.pitch + 1
-        return ROW.pack({
+        return STEP_ROW.pack({
             "final_row": final, "bank": ticket["bank"], "wide": wide, "odd": job.height % 2,
             "ring_row": top % self.ring_rows, "last_lanes": last_lanes,
-            **counts(steps, passes, max(before - steps, 0), max(self.pitch - steps, 0)),
+            **row_counts(steps, passes, max(before - steps, 0), max(self.pitch - steps, 0)),
             "free_to": (top + (job.height if final else 1)) % (2 * self.ring_rows)})
-
-
-def ticket_done(done: int, bank: int) -> bool:
-    """Whether `bank`'s bit is set in `done`."""
-    return bool(done >> bank & 1)

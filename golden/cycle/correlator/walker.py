@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 
-from golden.structs import ROW, STEP
+from golden.cycle.model import Inputs, Values
+from golden.structs import STEP, STEP_ROW
 
 
-def counts(steps: int, passes: int, gap_row: int, gap_pass: int) -> dict[str, int]:
-    """These counts as fields of a `row_t`: less one or two, in two's complement."""
+def row_counts(steps: int, passes: int, gap_row: int, gap_pass: int) -> dict[str, int]:
+    """The counts as fields of a `row_t`: less one (gaps) or two (steps, passes), modulo the field."""
     return {"steps": (steps - 2) % 256, "passes": (passes - 2) % 64, "gap_row": (gap_row - 1) % 128,
             "gap_pass": (gap_pass - 1) % 128}
 
 
-
-def row_steps(row: dict[str, int], pitch: int, ring_rows: int) -> Iterator[dict[str, int] | None]:
-    """What the walker does with a `row_t`, clock by clock: a `step_t`, or None in a gap."""
+def _row_steps(row: dict[str, int], pitch: int, ring_rows: int) -> Iterator[dict[str, int] | None]:
+    """The clocks of a `row_t`: a `step_t` each, or None in a gap."""
     steps, passes = (row["steps"] + 2) % 256, (row["passes"] + 2) % 64
     for chunk in range(passes):
         yield from [None] * ((row["gap_pass" if chunk else "gap_row"] + 1) % 128)
@@ -28,9 +28,8 @@ def row_steps(row: dict[str, int], pitch: int, ring_rows: int) -> Iterator[dict[
                    "lanes": row["last_lanes"] if chunk == passes - 1 else pitch}
 
 
-
 class WalkerModel:
-    """Holds what is left of the row in work. `step_o` is undefined between steps."""
+    """Holds the remaining steps of the current row. `step_o` is undefined between steps."""
 
     INPUTS = ("rst_i", "row_valid_i", "row_i")
     OUTPUTS = ("row_ready_o", "step_valid_o", "step_o", "rows_freed_o", "bank_free_o", "busy_o", "drained_o")
@@ -48,10 +47,10 @@ class WalkerModel:
         self.freeing: tuple[int, int] | None = None  # rows_freed_o and bank_free_o of the next clock
         self.drain, self.drained = self.drain_clocks, False
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         ready = len(self.left) <= 1
-        out: dict[str, int | None] = {
+        out: Values = {
             "row_ready_o": int(ready), "step_valid_o": self.valid, "step_o": self.last if self.valid else None,
             "rows_freed_o": self.freed, "bank_free_o": self.bank_free,
             "busy_o": int(bool(self.left) or self.coming is not None or bool(self.valid)),
@@ -70,8 +69,8 @@ class WalkerModel:
         if step is not None:
             self.last = STEP.pack({**step, "valid": 0})
         if taken:
-            self.row = ROW.unpack(i["row_i"])
-            self.left.extend(row_steps(self.row, self.pitch, self.ring_rows))
+            self.row = STEP_ROW.unpack(i["row_i"])
+            self.left.extend(_row_steps(self.row, self.pitch, self.ring_rows))
         if i["rst_i"]:
             self._reset()
         return out

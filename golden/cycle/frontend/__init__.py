@@ -1,0 +1,1 @@
+"""Cycle models from the video input to packed sign bits: video in, LoG and its parts, packer."""

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections import deque
 
-from golden.cycle.bits import Bits, pack, signed, unpack
+from golden.cycle.bits import pack, signed, unpack
+from golden.cycle.model import Inputs, Values
 
 
-def levels(radius: int) -> int:
+def adder_levels(radius: int) -> int:
     """Levels of pairwise addition of the taps and the bias: clog2(radius + 2)."""
     return (radius + 1).bit_length()
 
 
-
 class FirModel:
-    """Symmetric FIR. Between sums the output is anything."""
+    """Symmetric FIR: 6 + `adder_levels(radius)` clocks from window to sums; undefined where no window was valid."""
 
     INPUTS = ("rst_i", "valid_i", "window_i", "coef_i")
     OUTPUTS = ("sum_o",)
@@ -22,19 +22,19 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (5 + levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (5 + adder_levels(radius)))
         self.sum: int | None = None
 
-    def step(self, i: dict[str, int]) -> Bits:
-        """Outputs of this clock, then the edge."""
-        out: Bits = {"sum_o": self.sum}
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        out: Values = {"sum_o": self.sum}
         self.sum = self.pipe.pop()
         self.pipe.appendleft(self._sums(i) if i["valid_i"] else None)
         if i["rst_i"]:
             self.pipe = deque([None] * len(self.pipe))
         return out
 
-    def _sums(self, i: dict[str, int]) -> int | None:
+    def _sums(self, i: Inputs) -> int | None:
         r, n = self.radius, self.data_bits
         window = [i["window_i"] >> (n * k) & ((1 << n) - 1) for k in range(2 * r + 1)]
         sums = []

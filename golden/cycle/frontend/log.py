@@ -1,25 +1,32 @@
-"""Cycle models of the LoG data path: `slog_line_buffer`, `slog_fir`, `slog_taps`, `slog_log`."""
+"""Cycle model of `slog_log`."""
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import islice
 
-from golden.cycle.bits import Bits, unpack
-from golden.cycle.frontend.fir import levels
+from golden.cycle.bits import or_zero, unpack
+from golden.cycle.frontend.fir import adder_levels
+from golden.cycle.model import Inputs, Values
 from golden.log import ROUND_BITS, Coefs
 
 
 @dataclass
 class _Row:
-    """A line under which an output row is computed: (v, v2) per column so far, None where lines are missing."""
+    """An output row in work: (v, v2) per column so far, None where a line above has never been written."""
 
     values: list[tuple[int, int] | None] = field(default_factory=list)
 
 
+def pixel_inputs(video: Mapping[str, int | None]) -> Inputs:
+    """The `px_` outputs of `slog_video_in` as inputs of `slog_log`, which ignores those that are undefined."""
+    return {f"{name[:-2]}_i": or_zero(value) for name, value in video.items() if name.startswith("px_")}
+
+
 class LogModel:
-    """The whole LoG, from the definition: columns when their pixel comes, responses when they are due."""
+    """The LoG by its definition: columns are computed when their pixel arrives, responses when they are due."""
 
     INPUTS = ("rst_i", "g_i", "g2_i", "px_valid_i", "px_data_i", "px_col_i", "px_first_i", "px_last_i", "px_out_i",
               "px_bottom_i", "px_dist_i", "px_live_i", "px_start_i", "px_done_i", "px_abort_i")
@@ -27,7 +34,7 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 23 + radius + 2 * levels(radius)
+        self.latency = 23 + radius + 2 * adder_levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])
@@ -38,11 +45,11 @@ class LogModel:
         self.kernels: tuple[Coefs, Coefs] = ((), ())
         self.coef_words = (-1, -1)
 
-    def step(self, i: dict[str, int]) -> Bits:
-        """Outputs of this clock, then the edge."""
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         r = self.radius
         due, last = self.pipe.pop(), self.last.pop()
-        out: Bits = {
+        out: Values = {
             "bit_valid_o": due.get("live", 0), "bit_o": self.bit, "bit_last_o": last,
             "bit_start_o": due.get("start", 0), "bit_done_o": due.get("done", 0), "bit_abort_o": due.get("abort", 0),
             "busy_o": self.busy}
@@ -66,7 +73,7 @@ class LogModel:
             self.busy = 0
         return out
 
-    def _take(self, i: dict[str, int]) -> tuple[_Row, int] | None:
+    def _take(self, i: Inputs) -> tuple[_Row, int] | None:
         if not i["px_valid_i"]:
             return None
         column = self.lines[i["px_col_i"]]

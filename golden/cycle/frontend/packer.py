@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 
-from golden.cycle.bits import Bits
+from golden.cycle.model import Values
 
 
 class PackerModel:
-    """Bits into words; the flags six clocks behind the pixel they come with. Between words the data are anything."""
+    """Bits into words; the flags follow their pixel by six clocks. Data are undefined while no word is valid."""
 
     INPUTS = ("rst_i", "bit_valid_i", "bit_i", "bit_last_i", "bit_start_i", "bit_done_i", "bit_abort_i")
     OUTPUTS = ("word_valid_o", "word_data_o", "word_last_o", "frame_start_o", "frame_done_o", "frame_abort_o")
@@ -20,13 +20,13 @@ class PackerModel:
 
     def _reset(self) -> None:
         self.bits: list[int | None] = []
-        none: Bits = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
+        none: Values = {**dict.fromkeys(self.OUTPUTS, 0), "word_data_o": None, "word_last_o": None}
         self.pipe = deque([none] * 6)
 
-    def step(self, i: Mapping[str, int | None]) -> Bits:
-        """Outputs of this clock, then the edge."""
+    def step(self, i: Mapping[str, int | None]) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         valid = i["bit_valid_i"]
-        new: Bits = {"word_valid_o": 0, "word_data_o": None, "word_last_o": None, "frame_start_o": i["bit_start_i"],
+        new: Values = {"word_valid_o": 0, "word_data_o": None, "word_last_o": None, "frame_start_o": i["bit_start_i"],
                      "frame_done_o": i["bit_done_i"], "frame_abort_o": i["bit_abort_i"]}
         if valid:
             self.bits.append(i["bit_i"])

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
-from golden.cycle.bits import Bits, pack
+from golden.cycle.bits import pack
+from golden.cycle.model import Inputs, Values
 
 
 @dataclass
 class _Tap:
+    """A pair of values in the delay line and its flags."""
+
     valid: int = 0
     first: int = 0
     last: int = 0
@@ -17,9 +20,8 @@ class _Tap:
     b: int = 0
 
 
-
 class TapsModel:
-    """Windows of the horizontal filters, cut from what came where the line around the centre ends."""
+    """Windows of the horizontal filters; beyond an end of the centre's line its end value repeats."""
 
     FIELD = 32
     """Bits a value takes in a window."""
@@ -29,12 +31,12 @@ class TapsModel:
 
     def __init__(self, radius: int) -> None:
         self.radius = radius
-        self.taps: deque[_Tap] = deque([_Tap() for _ in range(2 * radius + 2)], 2 * radius + 2)  # the oldest first
+        self.taps: deque[_Tap] = deque([_Tap() for _ in range(2 * radius + 2)], 2 * radius + 2)  # oldest first
 
-    def step(self, i: dict[str, int]) -> Bits:
-        """Outputs of this clock, then the edge."""
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         r, taps = self.radius, self.taps
-        out: Bits = {"valid_o": taps[r].valid, "a_window_o": None, "b_window_o": None}
+        out: Values = {"valid_o": taps[r].valid, "a_window_o": None, "b_window_o": None}
         if taps[r].valid:
             oldest = next((k for k in range(r, -1, -1) if taps[k].first), 0)
             newest = next((k for k in range(r, 2 * r + 1) if taps[k].last), 2 * r)

@@ -5,45 +5,44 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-from golden.cycle.bits import Bits
+from golden.cycle.model import Inputs, Values
 
 LINES = 3
 """Lines the ring holds."""
 
 
-
 @dataclass(eq=False)
 class _Frame:
-    dead: bool = False
+    """A frame being received or processed; `dead` once it is dropped."""
 
+    dead: bool = False
 
 
 @dataclass
 class _Line:
+    """A received line and its frame."""
+
     frame: _Frame
     row: int
     pixels: list[int]
 
 
-
 @dataclass
 class _Event:
-    """What a beat did, as the scheduler hears of it one clock later."""
+    """Effect of a beat; it reaches the scheduler one clock later."""
 
     commit: _Line | None = None
     kill: _Frame | None = None
     drops: int = 0
 
 
-
 @dataclass
 class _Tick:
-    """A line being issued; `line` is None for a filler."""
+    """A line being issued; `line` is None for a filler below the last line."""
 
     line: _Line | None
     out: bool = False
     col: int = 0
-
 
 
 @dataclass
@@ -55,22 +54,23 @@ class _Output:
     begun: bool = False
 
 
-
 @dataclass
 class _Issue:
-    px: Bits = field(default_factory=dict)
+    """A pixel on its way to the outputs."""
+
+    px: Values = field(default_factory=dict)
     valid: int = 0
     abort: int = 0
 
 
-
 class VideoInModel:
-    """Frames as objects: whatever belongs to a dead frame is discarded."""
+    """Frames and lines as objects: a line of a dead frame is discarded."""
 
     INPUTS = ("rst_i", "tdata_i", "tvalid_i", "tuser_i", "tlast_i", "width_i", "height_i", "hold_i")
     OUTPUTS = ("tready_o", "px_valid_o", "px_data_o", "px_col_o", "px_first_o", "px_last_o", "px_out_o", "px_bottom_o",
                "px_dist_o", "px_live_o", "px_start_o", "px_done_o", "px_abort_o", "accepted_o", "dropped_o", "busy_o")
     LATENCY = 6
+    """Clocks from the last beat of a line to its first pixel, from idle."""
 
     def __init__(self, radius: int) -> None:
         self.radius = radius
@@ -91,8 +91,8 @@ class VideoInModel:
         self.pipe = [_Issue() for _ in range(3)]
         self.accepted = 0
 
-    def step(self, i: dict[str, int]) -> Bits:
-        """Outputs of this clock, then the edge."""
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         event, shown = self.event, self.pipe[2]
         if self.reads[2] is not None:
             self.data = self.reads[2]
@@ -101,7 +101,7 @@ class VideoInModel:
         reading = self.tick is not None and self.tick.line is not None
         ready = (len(self.ring) + reading + (event.commit is not None) != LINES
                  and not (i["hold_i"] and self.state != "active"))
-        out: Bits = {
+        out: Values = {
             "tready_o": int(ready), "px_valid_o": shown.valid, "px_data_o": self.data,
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o") for k in ("col", "first", "last", "out", "bottom", "dist")},
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
@@ -126,8 +126,8 @@ class VideoInModel:
         self.event = self._receive(i) if ready and i["tvalid_i"] else _Event()
         return out
 
-    def _receive(self, i: dict[str, int]) -> _Event:
-        """Judge one accepted beat."""
+    def _receive(self, i: Inputs) -> _Event:
+        """Check an accepted beat against the frame and store it."""
         event = _Event()
         start, end = i["tuser_i"], i["tlast_i"]
         at_end = len(self.line.pixels) == i["width_i"] - 1
@@ -149,8 +149,8 @@ class VideoInModel:
                     self.state = "closed"
         return event
 
-    def _issue(self, i: dict[str, int], killed: _Frame | None) -> _Issue:
-        """Pixel issued in this clock; the output frame ends here, by its last pixel or by `killed`."""
+    def _issue(self, i: Inputs, killed: _Frame | None) -> _Issue:
+        """The pixel issued in this clock; ends the output frame at its last pixel or when it is `killed`."""
         issue, r, tick, o = _Issue(), self.radius, self.tick, self.out
         dies = o is not None and o.frame is killed
         if tick:
@@ -165,7 +165,7 @@ class VideoInModel:
                 "px_out_o": int(tick.out), "px_live_o": int(live),
                 "px_start_o": int(live and o is not None and not o.begun),
                 "px_done_o": int(live and last and left == 0),
-                # Of a line whose frame has died, or without an output row, the border is not defined.
+                # The border is undefined without an output row.
                 "px_bottom_o": int(left < r) if o else None,
                 "px_dist_o": (left if left < r else min(o.row, r)) if o else None}
             if o:
@@ -183,8 +183,8 @@ class VideoInModel:
             self.out = None
         return issue
 
-    def _schedule(self, i: dict[str, int], killed: _Frame | None) -> None:
-        """At a line boundary take the next line, or a filler."""
+    def _schedule(self, i: Inputs, killed: _Frame | None) -> None:
+        """At the end of a line take the next line, or a filler."""
         if self.tick:
             return
         o = self.out

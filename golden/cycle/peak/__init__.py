@@ -1,0 +1,1 @@
+"""Cycle models of the peak unit and its parts, from mismatches to results and surfaces."""

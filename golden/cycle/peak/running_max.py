@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
-LATENCY = 3
-"""Clocks from a row's last sample to its maximum."""
+from golden.cycle.model import Inputs, Values
+
+MAX_LATENCY = 3
+"""Clocks from the last sample of a row to its maximum."""
 
 
 class RunningMaxModel:
@@ -16,9 +18,9 @@ class RunningMaxModel:
 
     def __init__(self) -> None:
         self.row: list[tuple[int, int]] = []
-        self.due: deque[tuple[int, int] | None] = deque([None] * LATENCY)
+        self.due: deque[tuple[int, int] | None] = deque([None] * MAX_LATENCY)
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         now = self.due.popleft()
         done = None
@@ -30,6 +32,6 @@ class RunningMaxModel:
                 done = max(self.row, key=lambda sample: (sample[0], -sample[1]))
         self.due.append(done)
         if i["rst_i"]:
-            self.due = deque([None] * LATENCY)
+            self.due = deque([None] * MAX_LATENCY)
         return {"out_valid_o": int(now is not None), "out_value_o": now[0] if now else None,
                 "out_index_o": now[1] if now else None}

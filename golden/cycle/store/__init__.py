@@ -1,0 +1,1 @@
+"""Cycle models of the bit-plane store and of the captures that fill it."""

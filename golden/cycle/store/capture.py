@@ -1,12 +1,16 @@
-"""Cycle models of `slog_capture` and its `slog_capture_channel`."""
+"""Cycle model of `slog_capture`."""
 
 from __future__ import annotations
 
-from golden.cycle.store.capture_channel import HOPS, ChannelModel
+from golden.cycle.model import Inputs, Values
+from golden.cycle.store.capture_channel import HOPS, CaptureChannelModel
 
 
 class CaptureModel:
-    """Two (or one) channels, the valid bits, and camera 0 first into the store. Vectors are packed, camera 0 lowest."""
+    """A channel per camera, the valid bits, and the store port, where camera 0 has priority.
+
+    Vectors over cameras are packed, camera 0 lowest.
+    """
 
     INPUTS = ("rst_i", "cmd_valid_i", "cmd_cancel_i", "cmd_camera_i", "cmd_slot_i", "clear_i", "slot_busy_i",
               "word_valid_i", "word_data_i", "word_last_i", "frame_start_i", "frame_done_i", "frame_abort_i")
@@ -14,15 +18,15 @@ class CaptureModel:
 
     def __init__(self, cameras: int, group_bits: int, slots: int, slot_words: int, words_per_row: int) -> None:
         self.cameras, self.group_bits, self.slots = cameras, group_bits, slots
-        self.channels = [ChannelModel(slot_words, words_per_row) for _ in range(cameras)]
+        self.channels = [CaptureChannelModel(slot_words, words_per_row) for _ in range(cameras)]
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
-        self.chosen: list[tuple[int, int] | None] = [None] * (HOPS + 1)  # the store's next, the latest first
-        self.command: tuple[bool, int, int] | None = None  # of two clocks before: cancel, camera, slot
-        self.coming: tuple[bool, int, int] | None = None  # of the clock before
+        self.chosen: list[tuple[int, int] | None] = [None] * (HOPS + 1)  # coming store writes, the latest first
+        self.command: tuple[bool, int, int] | None = None  # cancel, camera, slot of two clocks before
+        self.coming: tuple[bool, int, int] | None = None  # the same of the clock before
 
-    def outputs(self) -> dict[str, int | None]:
-        """Outputs of this clock: all come from registers, among them the command of two clocks before."""
+    def outputs(self) -> Values:
+        """Outputs of this clock: all from registers, the command of two clocks before among them."""
         arm, cancel, refused = self._decide()
         return {
             "wr_valid_o": int(self.write is not None),
@@ -36,7 +40,7 @@ class CaptureModel:
         }
 
     def _decide(self) -> tuple[int | None, int | None, int]:
-        """The camera armed, the camera cancelled, whether the last command was refused."""
+        """The camera armed and the camera cancelled in this clock, if any; whether the last command was refused."""
         if self.command is None:
             return None, None, self.refused
         cancel, camera, slot = self.command
@@ -47,8 +51,8 @@ class CaptureModel:
         accept = slot < self.slots and camera < self.cameras and not taken
         return (camera, None, 0) if accept else (None, None, 1)
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
-        """Outputs of this clock, then the clock edge."""
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.outputs()
         arm, cancel, refused = self._decide()
         slot = self.command[2] if self.command else 0

@@ -1,44 +1,38 @@
-"""Cycle model of one camera's channel of `slog_capture`."""
+"""Cycle model of `slog_capture_channel`."""
 
 from __future__ import annotations
 
 from collections import deque
 
-FIFO_DEPTH = 4
-
-
 CHECK_CLOCKS = 5
-
-
+"""Clocks for which a starting capture checks whether its slot is busy."""
 HOPS = 2
-"""Clocks that the queues' words are behind their levels."""
-
-
+"""Clocks by which the words of the queues follow their levels."""
 IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
 
 
-
-class ChannelModel:
-    """One camera's captures; the fields are the registers of `slog_capture_channel`."""
+class CaptureChannelModel:
+    """The captures of one camera; the fields are the registers of the module."""
 
     def __init__(self, slot_words: int, words_per_row: int) -> None:
         self.slot_words, self.words_per_row = slot_words, words_per_row
         self.state, self.slot, self.check, self.was_valid, self.row, self.addr = IDLE, 0, 0, 0, 0, 0
-        self.busy: deque[int] = deque([0] * 3)  # of the three clocks before
-        self.came: tuple[int | None, int, int, int, int] = (None, 0, 0, 0, 0)  # what came in the clock before
-        self.push: tuple[int, int] | None = None  # goes into the queue
-        self.left = [False] * (HOPS + 1)  # finishing, and by clocks ago: the last word had left the queue
-        self.clears = self.restores = self.finishes = False  # what the slot's valid bit hears in this clock
+        self.busy: deque[int] = deque([0] * 3)  # busy of the three clocks before
+        # word, last, start, done, abort of the clock before
+        self.came: tuple[int | None, int, int, int, int] = (None, 0, 0, 0, 0)
+        self.push: tuple[int, int] | None = None  # enters the queue in this clock
+        self.left = [False] * (HOPS + 1)  # by clocks ago: finishing, and the last word had left the queue
+        self.clears = self.restores = self.finishes = False  # commands to the valid bit of the slot in this clock
         self.fifo: deque[tuple[int, int]] = deque()
 
     @property
     def armed(self) -> bool:
-        """A request waits or is being served."""
+        """A request is waiting or being served."""
         return self.state != IDLE
 
     @property
     def writing(self) -> bool:
-        """From frame start to finish."""
+        """From frame start to the end of the capture."""
         return self.state in (CHECK, WRITE, FINISH)
 
     def edge(self, *, rst: int, arm: bool, cancel: bool, slot: int, busy: int, valid: int, word: int | None, last: int,

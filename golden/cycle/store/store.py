@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from golden.cycle.model import Inputs, Values
+
 STORE_LATENCY = 10
-"""Clocks from a read to its data (rtl/slog_store_pkg.sv)."""
+"""Clocks from a read to its data, as in rtl/store/slog_store_pkg.sv."""
 
 
 class StoreModel:
-    """A read sees every write of two clocks before and earlier; its word may not be written in the clock before. Words
-    never written, and data before the first read, are undefined."""
+    """A read returns all writes of two clocks before and earlier; its word must not be written in the clock before.
+
+    Words never written, and data before the first read, are undefined.
+    """
 
     INPUTS = ("rst_i", "wr_valid_i", "wr_addr_i", "wr_data_i", "rd_valid_i", "rd_addr_i", "peek_valid_i", "peek_addr_i")
     OUTPUTS = ("rd_data_o", "peek_ready_o", "peek_done_o", "peek_data_o")
@@ -16,16 +20,16 @@ class StoreModel:
     def __init__(self, words: int) -> None:
         self.memory: list[int | None] = [None] * words
         self.flight: list[tuple[int, bool] | None] = [None] * (STORE_LATENCY - 1)
-        self.write: tuple[int, int] | None = None  # of the clock before
+        self.write: tuple[int, int] | None = None  # write of the clock before
         self.data: int | None = None
         self.pending: int | None = None
         self.peeking = False
         self.done = False
 
-    def step(self, i: dict[str, int]) -> dict[str, int | None]:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         ready = self.pending is None and not self.peeking
-        out: dict[str, int | None] = {"rd_data_o": self.data, "peek_ready_o": int(ready),
+        out: Values = {"rd_data_o": self.data, "peek_ready_o": int(ready),
                                       "peek_done_o": int(self.done), "peek_data_o": self.data}
         read: tuple[int, bool] | None = None
         if i["rd_valid_i"]:
@@ -36,7 +40,7 @@ class StoreModel:
             self.peeking = True
         if i["peek_valid_i"] and ready:
             self.pending = i["peek_addr_i"]
-        # The memory is looked up at once, which is the same thing: writes take a clock longer than reads to reach it.
+        # Reading the memory at once is equivalent: a write reaches it one clock later than a read.
         arrived = self.flight.pop()
         self.done = False
         if arrived is not None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from golden.correlate import Status
-from golden.cycle.peak.structs import OUTCOME, PRESENT, ROW, SCAN, Inputs, Outputs
+from golden.cycle.model import Inputs, Values
+from golden.cycle.peak.structs import OUTCOME, PRESENT, SCAN, SCORE_ROW
 
 
-class BestModel:
-    """`slog_peak_best`: per row, whether it is its job's best so far; from the maxima of all rows of the job."""
+class PeakBestModel:
+    """Decides per row whether it holds the best of its job so far, from the maxima of all rows of the job."""
 
     INPUTS = ("rst_i", "row_valid_i", "row_i", "top_level_i", "top_coming_i", "top_score_i", "top_x_i", "room_i",
               "order_room_i")
@@ -21,12 +22,12 @@ class BestModel:
         """(score, x) of the job's rows up to this one."""
 
     def clear(self) -> None:
-        """No row."""
+        """Hold no row."""
         self.held, self.hand, self.complete = False, False, False
-        """A row is held; it leaves in this clock; the row that waits could be taken."""
+        """A row is held; it leaves in this clock; the waiting row can be taken."""
 
     def decided(self) -> tuple[int, int]:
-        """Order and outcome of the row."""
+        """Packed scan order and outcome of the row."""
         row, tops = self.row, self.tops
         if row["status"] != Status.OK:
             return (SCAN.pack({"fresh": 1, "last": row["last"], "above": not row["first"], "middle": 0,
@@ -36,7 +37,7 @@ class BestModel:
         scores = [score for score, _ in tops]
         r, best = len(tops) - 1, scores.index(max(scores))
         fresh = best == r
-        # What the scan will not see: rows above its three, or, without a scan, a row below the neighbourhood.
+        # Rows outside the scan: those above its three, or, without a scan, a row below the neighbourhood.
         candidates = scores[:max(r - 1, 0)] if fresh else scores[r:] if r >= best + 2 else []
         order = {"fresh": fresh, "last": row["last"], "above": not row["first"], "middle": 1,
                  "below": not row["last"], "only": not (fresh and row["last_x"]),
@@ -45,14 +46,14 @@ class BestModel:
                    "best_x": tops[best][1], "best_y": best, "score": PRESENT + scores[best]}
         return SCAN.pack(order), OUTCOME.pack(outcome)
 
-    def step(self, i: Inputs) -> Outputs:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         hand, row = self.hand, self.row
-        coming = ROW.unpack(i["row_i"])
+        coming = SCORE_ROW.unpack(i["row_i"])
         refused = coming["status"] != Status.OK
         load = self.complete and (hand or not self.held)
         order, outcome = self.decided() if hand else (None, None)
-        out: Outputs = {"row_ready_o": int(load), "top_ready_o": int(load and not refused),
+        out: Values = {"row_ready_o": int(load), "top_ready_o": int(load and not refused),
                         "order_valid_o": int(hand), "outcome_valid_o": int(hand), "order_o": order,
                         "outcome_o": outcome,
                         "released_o": (not row["first"]) + row["last"] if hand else 0}

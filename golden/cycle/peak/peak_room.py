@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from golden.cycle.peak.structs import Inputs, Outputs
+from golden.cycle.model import Inputs, Values
 
 
-class RoomModel:
-    """`slog_peak_room`: scores granted and not gone. A departure counts one clock late, two beside a grant."""
+class PeakRoomModel:
+    """Scores granted and not yet taken from the queue. A departure counts one clock late, two beside a grant."""
 
     INPUTS = ("rst_i", "row_valid_i", "row_offsets_i", "taken_i")
     OUTPUTS = ("row_ready_o",)
@@ -16,10 +16,10 @@ class RoomModel:
         self.clear()
 
     def clear(self) -> None:
-        """Nothing granted; no row is granted in the clock after."""
+        """Nothing granted; no grant in the next clock."""
         self.held, self.late, self.ready = 0, 0, 0
 
-    def step(self, i: Inputs) -> Outputs:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         ready = self.ready
         if i["rst_i"]:

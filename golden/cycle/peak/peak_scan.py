@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 
-from golden.cycle.peak.structs import PRESENT, SCAN, Inputs, Outputs
+from golden.cycle.model import Inputs, Values
+from golden.cycle.peak.structs import PRESENT, SCAN
 from golden.params import SCORE_BITS
 
 
-class ScanModel:
-    """`slog_peak_scan`: columns near the best three clocks after their read, the best of all others ten."""
+class PeakScanModel:
+    """The columns near the best three clocks after their read, the best of all others ten after the last."""
 
     INPUTS = ("rst_i", "order_valid_i", "order_i", "data_i")
     FLAGS = ("near_end_o", "near_first_o", "near_west_o", "near_centre_o", "near_east_o")
@@ -21,22 +22,22 @@ class ScanModel:
         self.clear()
 
     def clear(self) -> None:
-        """Idle; the next row lies in bank 0."""
+        """Idle; the next row is in bank 0."""
         self.order: dict[str, int] | None = None
         self.x, self.bank = 0, self.banks - 1
         self.wait = False
-        """The clock before an only column."""
+        """The clock before a row of a single column."""
         self.reading: deque[tuple[dict[str, int], int, int] | None] = deque([None, None])
-        self.near: Outputs | None = None
+        self.near: Values | None = None
         self.outside: list[int] = []
         self.far: deque[int | None] = deque([None] * 8)
 
     @property
     def room(self) -> bool:
-        """An order may come in the next clock, if none comes in this one."""
+        """An order is allowed in the next clock, unless one arrives in this one."""
         return self.order is None or self.wait or self.x >= self.order["last_x"] - 1
 
-    def step(self, i: Inputs) -> Outputs:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         o, banks = self.order, self.banks
         read = 0
@@ -44,7 +45,7 @@ class ScanModel:
             read = sum(1 << (self.bank + d) % banks
                        for name, d in (("above", -1), ("middle", 0), ("below", 1)) if o["fresh"] and o[name])
         far = self.far.popleft()
-        out: Outputs = {"order_room_o": int(self.room), "read_o": read, "read_x_o": self.x if o else None,
+        out: Values = {"order_room_o": int(self.room), "read_o": read, "read_x_o": self.x if o else None,
                         **dict.fromkeys(self.FLAGS, 0), **dict.fromkeys(self.VALUES), **(self.near or {}),
                         "far_valid_o": int(far is not None), "far_o": far}
         o = None if self.wait else o
@@ -56,7 +57,7 @@ class ScanModel:
         self.reading.append((o, self.x, self.bank) if o is not None else None)
         self.near, done = None, None
         if column is not None:
-            done = self.take_column(*column, i["data_i"])
+            done = self._take_column(*column, i["data_i"])
         self.far.append(done)
         self.wait = False
         if o is not None:
@@ -67,8 +68,8 @@ class ScanModel:
             self.order["last_x"] *= not self.wait
         return out
 
-    def take_column(self, o: dict[str, int], x: int, bank: int, data: int) -> int | None:
-        """Note a column; returns the best outside the neighbourhood when the row is through."""
+    def _take_column(self, o: dict[str, int], x: int, bank: int, data: int) -> int | None:
+        """Process a column; returns the best outside the neighbourhood at the end of the row, else None."""
         values = [PRESENT + (data >> (bank + d) % self.banks * SCORE_BITS) % PRESENT if o["fresh"] and o[name] else 0
                   for name, d in (("above", -1), ("middle", 0), ("below", 1))]
         side = x - o["best_x"]

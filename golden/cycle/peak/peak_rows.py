@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import deque
 
 from golden.correlate import Status
-from golden.cycle.peak.structs import ROW, SCORING, Inputs, Outputs
+from golden.cycle.model import Inputs, Values
+from golden.cycle.peak.structs import SCORE_ROW, SCORING
 from golden.structs import CONTEXT
 
 
-class RowsModel:
-    """`slog_peak_rows`: the rows of a job, one after another. A row stays for one clock after it was taken."""
+class PeakRowsModel:
+    """The rows of a job in order. A row remains at the output for one clock after it was taken."""
 
     INPUTS = ("rst_i", "ctx_valid_i", "ctx_i", "row_taken_i")
     OUTPUTS = ("ctx_ready_o", "row_coming_o", "row_o", "scoring_o")
@@ -19,13 +20,13 @@ class RowsModel:
         self.rows: deque[int] = deque()
         self.scoring: int | None = None
         self.taken = 0
-        """The row in front was taken in the clock before."""
+        """The front row was taken in the clock before."""
 
-    def step(self, i: Inputs) -> Outputs:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         rows = self.rows
         load = len(rows) == self.taken
-        out: Outputs = {"ctx_ready_o": int(load), "row_o": rows[0] if rows else None,
+        out: Values = {"ctx_ready_o": int(load), "row_o": rows[0] if rows else None,
                         "scoring_o": self.scoring if rows else None,
                         "row_coming_o": None if i["row_taken_i"] else int(not load or i["ctx_valid_i"])}
         if self.taken:
@@ -37,7 +38,7 @@ class RowsModel:
         elif load and i["ctx_valid_i"]:
             c = CONTEXT.unpack(i["ctx_i"])
             count = c["offsets_y"] if c["status"] == Status.OK else 1
-            rows.extend(ROW.pack({"tag": c["tag"], "status": c["status"], "last_x": (c["offsets_x"] - 1) % 1024,
+            rows.extend(SCORE_ROW.pack({"tag": c["tag"], "status": c["status"], "last_x": (c["offsets_x"] - 1) % 1024,
                                   "y": y, "first": y == 0, "last": y == count - 1}) for y in range(count))
             self.scoring = SCORING.pack({**c, "one": c["offsets_x"] == 1, "two": c["offsets_x"] == 2})
         return out

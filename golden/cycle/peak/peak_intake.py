@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import deque
 
-from golden.cycle.peak.structs import SCORING, Inputs, Outputs
+from golden.cycle.model import Inputs, Values
+from golden.cycle.peak.structs import SCORING
 
 
-class IntakeModel:
-    """`slog_peak_intake`: scores with their places, two clocks after they are taken."""
+class PeakIntakeModel:
+    """Scores with their positions, two clocks after the mismatch is taken."""
 
     INPUTS = ("rst_i", "row_coming_i", "row_refused_i", "row_last_x_i", "row_first_i", "row_last_i", "scoring_i",
               "released_i", "mismatch_valid_i", "mismatch_i", "surf_ok_i")
@@ -21,36 +22,36 @@ class IntakeModel:
         self.clear()
 
     def clear(self) -> None:
-        """No row begun; the first one goes into bank 0."""
+        """No row in work; the next one goes into bank 0."""
         self.row: Inputs | None = None
         self.x, self.bank, self.used, self.open, self.surf_ok = 0, self.banks - 1, 0, 0, 0
-        self.flying: deque[Outputs | None] = deque([None, None])
+        self.flying: deque[Values | None] = deque([None, None])
 
     @property
     def willing(self) -> bool:
-        """Takes a score in this clock."""
+        """A score can be taken in this clock."""
         return self.row is not None and bool(self.surf_ok or not SCORING.unpack(self.row["scoring_i"])["surface"])
 
     @property
     def ends(self) -> bool:
-        """The next score is its row's last."""
+        """The next score is the last of its row."""
         return self.row is not None and self.x == self.row["row_last_x_i"]
 
     def takes(self, mismatch_valid: int) -> bool:
-        """Takes a row in this clock."""
+        """A row is taken in this clock."""
         return bool(self.open and (self.row is None or (mismatch_valid and self.willing and self.ends)))
 
-    def step(self, i: Inputs) -> Outputs:
+    def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         row, now, willing, ends = self.row, self.flying[0], self.willing, self.ends
         take = self.takes(i["mismatch_valid_i"])
-        out: Outputs = {"row_taken_o": int(take), "mismatch_ready_o": int(willing),
+        out: Values = {"row_taken_o": int(take), "mismatch_ready_o": int(willing),
                         "score_valid_o": int(now is not None), "bank_o": 0, "surf_valid_o": 0,
                         **dict.fromkeys((*self.SCORE, "surf_first_o", "surf_last_o")), **(now or {})}
         if i["rst_i"]:
             self.clear()
             return out
-        scored: Outputs | None = None
+        scored: Values | None = None
         if willing and i["mismatch_valid_i"] and row is not None:
             begins, scoring = self.x == 0, SCORING.unpack(row["scoring_i"])
             surface = scoring["surface"]

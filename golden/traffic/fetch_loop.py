@@ -1,33 +1,24 @@
-"""Fetch, store and sequencer models wired together, with stalls: everything of the correlator before its array."""
+"""Fetch, store and sequencer models in a loop, with stalls: the correlator up to the operands of its array."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import repeat
 
-import numpy as np
-
 from golden.correlate import Job, Plane
 from golden.cycle.array.timing import drain_clocks
+from golden.cycle.bits import all_or_zero
 from golden.cycle.correlator.fetch import FetchModel
 from golden.cycle.correlator.sequencer import SequencerModel
-from golden.cycle.store.store import StoreModel
+from golden.cycle.model import Values
 from golden.params import Config
 from golden.structs import CONTEXT, STEP, pack_job
 from golden.traffic.replay import Replay
+from golden.traffic.store import filled_store, read_store
 
 
-def store_words(plane: Plane, config: Config) -> list[int]:
-    """Words of a slot that holds `plane` (uint8 0/1, (H, W)): bit 0 leftmost, rows padded with zeros."""
-    padded = np.zeros((config.max_height, config.words_per_row * config.group_bits), np.uint8)
-    padded[:plane.shape[0], :plane.shape[1]] = plane
-    packed = np.packbits(padded, bitorder="little").tobytes()
-    size = config.group_bits // 8
-    return [int.from_bytes(packed[k:k + size], "little") for k in range(0, len(packed), size)]
-
-
-class Front:
-    """The models in a loop. `contexts` collects what the peak unit is told, `replay` what the array is fed."""
+class FetchLoop:
+    """The models in a loop. `contexts` collects those for the peak unit, `replay` gets the inputs of the array."""
 
     def __init__(self, config: Config, planes: dict[int, Plane]) -> None:
         self.config = config
@@ -35,9 +26,7 @@ class Front:
         self.fixed = {"rst_i": 0, "image_width_i": width, "image_height_i": height,
                       "slot_valid_i": sum(1 << s for s in planes)}
         self.fetch = FetchModel(config)
-        self.store = StoreModel(config.store_words)
-        for slot, plane in planes.items():
-            self.store.memory[slot * config.slot_words:(slot + 1) * config.slot_words] = store_words(plane, config)
+        self.store = filled_store(config, planes)
         self.sequencer = SequencerModel(config.group_bits, config.pitch, config.ring_rows,
                                         drain_clocks(config.group_bits, config.lanes))
         self.replay = Replay(config)
@@ -47,8 +36,8 @@ class Front:
 
     def run(self, jobs: Sequence[Job], source: Iterator[int] | None = None, context: Iterator[int] | None = None,
             grant: Iterator[int] | None = None, limit: int = 200_000,
-            observe: Callable[[dict[str, int | None]], None] | None = None) -> int:
-        """Run `jobs` to their last step; the iterators say whether each end is willing in a clock.
+            observe: Callable[[Values], None] | None = None) -> int:
+        """Run `jobs` to their last step; the iterators hold whether each end is ready in a clock (default: always).
 
         Returns:
             Clocks taken.
@@ -70,10 +59,8 @@ class Front:
                 **self.fixed, "job_valid_i": int(offered), "job_i": waiting[0] if waiting else 0,
                 "rd_data_i": stored or 0, "ticket_ready_i": int(seq.state == "idle"), "rows_freed_i": walker.freed,
                 "bank_free_i": walker.bank_free})
-            now = {k: v or 0 for k, v in f.items()}
-            self.store.step({"rst_i": 0, "wr_valid_i": 0, "wr_addr_i": 0, "wr_data_i": 0,
-                             "rd_valid_i": now["rd_valid_o"], "rd_addr_i": now["rd_addr_o"],
-                             "peek_valid_i": 0, "peek_addr_i": 0})
+            now = all_or_zero(f)
+            read_store(self.store, now)
             s = seq.step({"rst_i": 0, "ticket_valid_i": now["ticket_valid_o"], "ticket_i": now["ticket_o"],
                           "tpl_done_i": now["tpl_done_o"], "rows_written_i": now["rows_written_o"],
                           "ctx_ready_i": ctx_ready, "row_ready_i": row_ready})
