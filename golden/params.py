@@ -22,6 +22,8 @@ SCORE_BITS = 15
 """Bits of a score in a result, whatever the configuration: 0..16384."""
 NO_SCORE = (1 << SCORE_BITS) - 1
 """Absent score: no offset there, or nothing outside the peak's neighbourhood."""
+MIN_SIGMA, MAX_SIGMA = 1.0, 4.0
+"""Every board's LoG is specified for Gaussians of this width, in pixels."""
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from golden.params import FULL, Config
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 
 BOARDS = "golden", "verilated"
 
 
-def open_board(name: str, config: Config = FULL) -> BoardBase:
+def open_board(name: str, config: Config = FULL) -> Board:
     """A board, to be closed after use (or used in a `with`).
 
     Args:

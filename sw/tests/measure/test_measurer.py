@@ -8,6 +8,7 @@ import pytest
 import skimage.data
 
 from golden.params import FULL
+from signum.boards.board import BoardError
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
 from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
@@ -125,6 +126,39 @@ def test_views_are_bounded_and_released() -> None:
             m.release(views[2])
 
 
+@pytest.mark.parametrize("size", [SIZE, (320, 240)], ids=["alike", "of another size"])
+def test_a_measurer_whose_board_was_taken_over_raises(size: tuple[int, int]) -> None:
+    """Even a measurer just alike takes over the slots: the earlier one's views are no longer what they were."""
+    frame = _shifted(_photo(), 0, 0)
+    with GoldenBoard() as board:
+        early = Measurer(board, SIZE, 2.5)
+        views = early.pair(frame, frame)
+        late = Measurer(board, size, 2.5)
+        for call in (lambda: early.view(frame), lambda: early.pair(frame, frame), lambda: early.signs(views[0]),
+                     lambda: early.measure([Query(*views, 200, 160, 64, 64)]), lambda: early.measure([]),
+                     lambda: early.likeness(views[0], [(200, 160, 64, 64)])):
+            with pytest.raises(BoardError, match="another Measurer"):
+                call()
+        early.release(views[0])  # clean-up never fails
+        with pytest.raises(ValueError, match="another Measurer"):
+            late.measure([Query(*views, 100, 100, 64, 64)])
+        assert late.signs(late.view(frame[:size[1], :size[0]])).shape == size[::-1]
+        board.configure(size, 2.5)
+        with pytest.raises(BoardError, match="another Measurer"):
+            late.view(frame[:size[1], :size[0]])
+
+
+def test_measurers_of_two_boards_do_not_mind_each_other() -> None:
+    frame = _shifted(_photo(), 0, 0)
+    with GoldenBoard() as board, GoldenBoard() as other:
+        one, two = Measurer(board, SIZE), Measurer(other, SIZE)
+        view = one.view(frame)
+        two.view(frame)
+        assert one.measure([Query(view, view, 200, 160, 64, 64)])[0].valid
+        with pytest.raises(ValueError, match="another Measurer"):
+            two.signs(view)
+
+
 def test_lines_for_one_dimensional_searches() -> None:
     with GoldenBoard() as board:
         m = Measurer(board, SIZE, 1.5)
@@ -167,8 +201,7 @@ def test_white_match_is_the_theory() -> None:
     """Signs of filtered white noise against the closed form."""
     noise = np.random.default_rng(0).integers(0, 256, (480, 640), dtype=np.uint8)
     with GoldenBoard() as board:
-        board.set_image_size(640, 480)
-        board.set_filter(2.5)
+        board.configure((640, 480), 2.5)
         board.capture(0, noise)
         plane = board.read_plane(0)
     for d in (1, 2, 3, 5):
