@@ -1,4 +1,4 @@
-"""Boards by name: the one place that knows which back ends there are."""
+"""Boards by name; the back ends are listed here and nowhere else."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def open_board(name: str, config: Config = FULL) -> Board:
         config: the build.
 
     Raises:
-        ValueError: for another name.
+        ValueError: for an unknown name.
         BoardError: if the back end cannot be started.
     """
     if name == "golden":
         return GoldenBoard(config)
     if name == "verilated":
-        from signum.boards.verilated import VerilatedBoard  # builds on first use: not needed for the golden board
+        from signum.boards.verilated import VerilatedBoard  # loads the simulation, which the golden board does not need
 
         return VerilatedBoard(config)
     raise ValueError(f"board {name!r}: one of {', '.join(BOARDS)}")

@@ -3,9 +3,9 @@
 Results are those of the RTL, bit for bit. Clocks are an estimate of what the RTL needs for the same call:
 
 - capture: one clock a pixel and `radius` rows of flush, for one or two cameras alike;
-- job: rows of offsets x passes a row x clocks a pass, where a pass scores `pitch` offsets (the last one up to `lanes`)
-  and lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
-  Operands load one store word a clock while the job before is in work, so a job lasts at least as long as its words
+- job: rows of offsets x passes a row x clocks a pass. A pass scores `pitch` offsets (the last one up to `lanes`) and
+  lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
+  Operands load at one store word a clock while the previous job is scored, so a job lasts at least as long as its words
   take to load;
 - register accesses are not counted.
 """
@@ -39,7 +39,7 @@ def job_clocks(job: Job, config: Config) -> int:
 
 
 class GoldenBoard(Board):
-    """A board made of NumPy and OpenCV integers. `config` is the build it mimics."""
+    """A board computed with NumPy and OpenCV integers; `config` is the build whose results it gives."""
 
     name = "golden"
 

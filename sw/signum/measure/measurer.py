@@ -19,7 +19,7 @@ import numpy as np
 from golden.correlate import Job, Status
 from signum.boards.board import Board, BoardError, run_jobs
 from signum.common.arrays import Image
-from signum.measure.peak import Peak, peaks
+from signum.measure.peak import Peak, locate_peaks
 from signum.measure.subpixel import PeakFit
 
 
@@ -255,7 +255,7 @@ class Measurer:
         return misses
 
     def _peaks(self, jobs: Sequence[Job], fit: PeakFit) -> list[Peak]:
-        return peaks(jobs, run_jobs(self._own_board(), jobs), fit)
+        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), fit)
 
     def _own_board(self) -> Board:
         """The board, as this measurer configured it."""

@@ -32,7 +32,7 @@ class Peak:
     inside: bool = False
 
 
-def peaks(jobs: Sequence[Job], results: Sequence[Result], fit: PeakFit) -> list[Peak]:
+def locate_peaks(jobs: Sequence[Job], results: Sequence[Result], fit: PeakFit) -> list[Peak]:
     """The peaks of jobs from their results, in order, refined to sub-pixels."""
     out = []
     whole = [i for i, r in enumerate(results) if r.status is Status.OK and NO_SCORE not in r.neighbours]

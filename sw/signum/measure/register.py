@@ -38,7 +38,7 @@ ANYTHING = Rules(min_score=0.0, min_margin=-1.0, backward=False, texture=False)
 
 
 @dataclass(frozen=True)
-class Limits:
+class RegistrationLimits:
     """What is looked for and what is accepted.
 
     Attributes:
@@ -129,15 +129,15 @@ class Registrar:
         coarse: how they are shown to it in the coarse step.
         window: side of the fine windows, pixels of the board.
         sigma: of the fine step, pixels of the board.
-        limits: see `Limits`.
+        limits: see `RegistrationLimits`.
     """
 
     def __init__(self, measurer: Callable[[tuple[int, int], float], Measurer], fine: Fit, coarse: Fit, window: int = 64,
-                 sigma: float = 2.5, limits: Limits | None = None) -> None:
+                 sigma: float = 2.5, limits: RegistrationLimits | None = None) -> None:
         self._make = measurer
         self.fine, self.coarse = fine, coarse
         self.window, self.sigma = window, sigma
-        self.limits = limits or Limits()
+        self.limits = limits or RegistrationLimits()
         self._measurer: Measurer | None = None
         self._reference: tuple[Prepared, Similarity, View] | None = None
         size = np.array(fine.source, np.float64)

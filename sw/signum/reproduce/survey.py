@@ -20,7 +20,7 @@ from signum.measure.register import Registrar
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
 from signum.reproduce.growth import METHODS, corner_errors, measure
-from signum.reproduce.projection import HEIGHTS, SIZE, View, compare
+from signum.reproduce.projection import HEIGHTS, SIZE, ProjectionResult, compare
 from signum.reproduce.reference import SHARED, read_pairs, residuals
 from signum.sources.open import open_source
 
@@ -131,7 +131,7 @@ def _projection(board: Board, seed: int, quick: bool, progress: Progress) -> Sec
                             "windows off the similarity, RMS px", "offset error, RMS px"), lines), bars)
 
 
-def _overlay(view: View) -> Image:
+def _overlay(view: ProjectionResult) -> Image:
     """The second frame cyan, the first red, brought onto it."""
     first, second = view.pair
     moved = np.asarray(cv2.warpAffine(first, view.found.matrix, first.shape[::-1]), np.uint8)
