@@ -8,22 +8,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from golden.correlate import Job, Result, Status
-    from golden.params import FULL, TINY, Config
-    from signum.boards import open_board
-    from signum.boards.board import Board, BoardError, Identification, run_jobs
-    from signum.common.errors import SignumError, SourceError
-    from signum.frames.fit import Fit
-    from signum.frames.frame import Frame, Source, read_picture
-    from signum.geometry.similarity import Similarity
-    from signum.measure.flow import FlowField, measure_flow
-    from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, View
-    from signum.measure.register import Registrar, Registration, RegistrationLimits
-    from signum.measure.stereo import RangeMap, measure_range
-    from signum.measure.track import Tracker, TrackPoint, TrackSettings
-    from signum.sources.open import open_source
-
 __all__ = [
     "FULL", "TINY", "Board", "BoardError", "Config", "Fit", "FlowField", "Frame", "Identification", "Job",
     "Measurement", "Measurer", "Query", "RangeMap", "Reason", "Registrar", "Registration", "RegistrationLimits",
@@ -49,13 +33,27 @@ _MODULES = {
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
+if TYPE_CHECKING:
+    from golden.correlate import Job, Result, Status
+    from golden.params import FULL, TINY, Config
+    from signum.boards import open_board
+    from signum.boards.board import Board, BoardError, Identification, run_jobs
+    from signum.common.errors import SignumError, SourceError
+    from signum.frames.fit import Fit
+    from signum.frames.frame import Frame, Source, read_picture
+    from signum.geometry.similarity import Similarity
+    from signum.measure.flow import FlowField, measure_flow
+    from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, View
+    from signum.measure.register import Registrar, Registration, RegistrationLimits
+    from signum.measure.stereo import RangeMap, measure_range
+    from signum.measure.track import Tracker, TrackPoint, TrackSettings
+    from signum.sources.open import open_source
+else:
+    def __getattr__(name: str) -> object:
+        if name not in _HOME:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        value = globals()[name] = getattr(import_module(_HOME[name]), name)
+        return value
 
-def __getattr__(name: str) -> object:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(_HOME[name]), name)
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})
