@@ -1,4 +1,4 @@
-"""The golden board behind the Board interface: calls, refusals and books."""
+"""The Board interface on the golden board: calls, refused calls, counters."""
 
 from dataclasses import replace
 
