@@ -1,15 +1,15 @@
-"""Boards by name: the one place that knows which back ends there are."""
+"""Boards by name; the back ends are listed here and nowhere else."""
 
 from __future__ import annotations
 
 from golden.params import FULL, Config
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 
 BOARDS = "golden", "verilated"
 
 
-def open_board(name: str, config: Config = FULL) -> BoardBase:
+def open_board(name: str, config: Config = FULL) -> Board:
     """A board, to be closed after use (or used in a `with`).
 
     Args:
@@ -17,13 +17,13 @@ def open_board(name: str, config: Config = FULL) -> BoardBase:
         config: the build.
 
     Raises:
-        ValueError: for another name.
+        ValueError: for an unknown name.
         BoardError: if the back end cannot be started.
     """
     if name == "golden":
         return GoldenBoard(config)
     if name == "verilated":
-        from signum.boards.verilated import VerilatedBoard  # builds on first use: not needed for the golden board
+        from signum.boards.verilated import VerilatedBoard  # loads the simulation, which the golden board does not need
 
         return VerilatedBoard(config)
     raise ValueError(f"board {name!r}: one of {', '.join(BOARDS)}")

@@ -3,9 +3,9 @@
 Results are those of the RTL, bit for bit. Clocks are an estimate of what the RTL needs for the same call:
 
 - capture: one clock a pixel and `radius` rows of flush, for one or two cameras alike;
-- job: rows of offsets x passes a row x clocks a pass, where a pass scores `pitch` offsets (the last one up to `lanes`)
-  and lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
-  Operands load one store word a clock while the job before is in work, so a job lasts at least as long as its words
+- job: rows of offsets x passes a row x clocks a pass. A pass scores `pitch` offsets (the last one up to `lanes`) and
+  lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
+  Operands load at one store word a clock while the previous job is scored, so a job lasts at least as long as its words
   take to load;
 - register accesses are not counted.
 """
@@ -18,13 +18,13 @@ from collections.abc import Sequence
 from golden import correlate, log
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
-from signum.boards.board import BoardBase, Surface
+from signum.boards.board import Board, Identification, Surface
 from signum.common.arrays import Image
 
 PIPELINE_CLOCKS = 64
 """Clocks from the last pixel of a flushed frame to a valid slot: about the depth of the LoG pipeline."""
-JOB_CLOCKS = 40
-"""Clocks from a job's last step to its result: about the depth of array and peak unit, hidden when jobs queue up."""
+REGISTER_VERSION = "1.0"
+"""Version of the register block whose board this model computes (`rtl/control/slog_csr.rdl`)."""
 
 
 def job_clocks(job: Job, config: Config) -> int:
@@ -38,8 +38,8 @@ def job_clocks(job: Job, config: Config) -> int:
     return max(row * job.offsets_y, load)
 
 
-class GoldenBoard(BoardBase):
-    """A board made of NumPy and OpenCV integers. `config` is the build it mimics."""
+class GoldenBoard(Board):
+    """A board computed with NumPy and OpenCV integers; `config` is the build whose results it gives."""
 
     name = "golden"
 
@@ -52,19 +52,22 @@ class GoldenBoard(BoardBase):
         self._counts |= {"jobs": 0, "refused": 0, "scores": 0, "busy_clocks": 0}
 
     @property
+    def identification(self) -> Identification:
+        c = self.config
+        return Identification(self.name, c.name, REGISTER_VERSION, c.cameras, c.slots, (c.max_width, c.max_height),
+                              c.max_window)
+
+    @property
     def clocks(self) -> int:
-        """Estimated clocks at work."""
         return self._clocks
 
     def counters(self) -> dict[str, int]:
-        """See `Board.counters`."""
         return self._counts | {"clocks": self._clocks}
 
-    def _apply_size(self, width: int, height: int) -> None:
-        self._planes = [None] * self.config.slots
-
-    def _apply_sigma(self, sigma: float) -> None:
-        log.kernels(sigma, self.config.radius)
+    def _configure(self, size: tuple[int, int], sigma: float) -> None:
+        log.kernels(sigma, self.config.radius)  # raises where the kernel does not fit
+        if size != self.image_size:
+            self._planes = [None] * self.config.slots
 
     def _capture(self, frames: Sequence[tuple[int, int, Image]]) -> None:
         for camera, slot, frame in frames:

@@ -9,14 +9,13 @@ from pathlib import Path
 from golden import log
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
-from signum.boards.board import BoardBase, BoardError, Surface
+from signum.boards.board import Board, BoardError, Identification, Surface
 from signum.common.arrays import Image
 from sim.board.build import BuildError
 from sim.board.device import Device, DeviceError
-from sim.registers.map import fields
 
 
-class VerilatedBoard(BoardBase):
+class VerilatedBoard(Board):
     """A board made of the project's RTL; the first one of a configuration builds it, which takes a minute.
 
     Args:
@@ -35,7 +34,17 @@ class VerilatedBoard(BoardBase):
             self._device = Device(config, trace)
         except (BuildError, DeviceError) as error:
             raise BoardError(f"the Verilated board does not start: {error}") from error
-        self._wanted_size: tuple[int, int] | None = None
+
+    @property
+    def identification(self) -> Identification:
+        read = self._device.read
+        try:
+            return Identification(
+                self.name, self.config.name, f"{read('version.major')}.{read('version.minor')}",
+                read("build_board.cameras"), read("build_board.slots"),
+                (read("build_image.max_width"), read("build_image.max_height")), read("build_window.max_window"))
+        except DeviceError as error:
+            raise BoardError(str(error)) from error
 
     @property
     def clocks(self) -> int:
@@ -43,40 +52,21 @@ class VerilatedBoard(BoardBase):
         return self._device.clocks
 
     def counters(self) -> dict[str, int]:
-        """See `Board.counters`."""
         raw = self._device.counters()
         counts = {f"{kind}_{camera}": raw[f"{kind}[{camera}]"]
                   for camera in range(self.config.cameras) for kind in ("frames", "drops")}
         return counts | {"jobs": raw["jobs"], "refused": raw["refused"], "scores": raw["scores"],
                          "busy_clocks": raw["busy"], "clocks": raw["clocks"]}
 
-    def identification(self) -> dict[str, object]:
-        """What the board's own registers say it is: identification, version, build."""
-        read = self._device.read
-        about: dict[str, object] = {
-            "id": read("id.value").to_bytes(4, "big").decode("ascii", "replace"), "board": self.name,
-            "version": f"{read('version.major')}.{read('version.minor')}"}
-        about.update((name, read(name)) for name in fields() if name.startswith("build_"))
-        return about
-
     def close(self) -> None:
         """Free the simulation and finish its wave dump."""
         super().close()
         self._device.close()
 
-    def _apply_size(self, width: int, height: int) -> None:
-        if self.sigma:
-            self._set(self.sigma, (width, height))
-        else:
-            self._wanted_size = width, height  # goes to the board with the first filter: they are one command there
-
-    def _apply_sigma(self, sigma: float) -> None:
-        self._set(sigma, self._wanted_size)
-        self._wanted_size = None
-
-    def _set(self, sigma: float, size: tuple[int, int] | None) -> None:
+    def _configure(self, size: tuple[int, int], sigma: float) -> None:
+        kernels = log.kernels(sigma, self.config.radius)
         try:
-            self._device.set_filter(*log.kernels(sigma, self.config.radius), size)
+            self._device.set_filter(*kernels, size)
         except DeviceError as error:
             raise BoardError(str(error)) from error
 

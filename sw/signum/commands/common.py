@@ -11,8 +11,9 @@ from typing import Annotated, ParamSpec
 
 import typer
 
+from golden.params import MAX_SIGMA, MIN_SIGMA
 from signum.boards import open_board
-from signum.boards.board import MAX_SIGMA, MIN_SIGMA, BoardBase, BoardError
+from signum.boards.board import Board, BoardError
 from signum.common.console import notes
 from signum.common.errors import SignumError
 from signum.frames.fit import Fit
@@ -77,7 +78,7 @@ def _fail(message: str) -> None:
 
 
 @contextmanager
-def board_of(name: BoardName, window: int = 8) -> Iterator[BoardBase]:
+def board_of(name: BoardName, window: int = 8) -> Iterator[Board]:
     """The board, opened and closed again."""
     if name == "verilated":
         notes.print("board: Verilated RTL (built once, on first use)")
@@ -87,7 +88,7 @@ def board_of(name: BoardName, window: int = 8) -> Iterator[BoardBase]:
         yield board
 
 
-def fit_to(frame: Frame, board: BoardBase, window: int, source: Source) -> Fit:
+def fit_to(frame: Frame, board: Board, window: int, source: Source) -> Fit:
     fit = Fit.to(frame.size, board.config, window, f"{source.label}: frame {frame.name}")
     if fit.scaled:
         notes.print(fit.note())
@@ -101,7 +102,7 @@ def write_report(folder: Path) -> None:
     write(folder)
 
 
-def clocks_line(board: BoardBase, frames: int) -> str:
+def clocks_line(board: Board, frames: int) -> str:
     """What the board did, in a line."""
     kind = "" if board.name == "verilated" else " (estimated)"
     per = board.clocks / max(frames, 1)

@@ -16,7 +16,7 @@ from signum.applications.follow.record import FollowRecord
 from signum.applications.follow.simulate import Chase, Row, judge
 from signum.applications.follow.simulate import follow as chase_fish
 from signum.applications.follow.watch import watch
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -88,7 +88,7 @@ def follow(
             _watch(b, source, right, calibration, nearer, output, seconds, rate, film, sigma, window)
 
 
-def _chase(board: BoardBase, chase: Chase, output: Path, film: bool, sigma: float) -> None:
+def _chase(board: Board, chase: Chase, output: Path, film: bool, sigma: float) -> None:
     camera, rows = Pinhole(), []
     record = FollowRecord(output, True, chase.rate, film, max(2.0, chase.seconds / 6))
     total = round(chase.seconds * chase.rate)
@@ -117,7 +117,7 @@ def _chase(board: BoardBase, chase: Chase, output: Path, film: bool, sigma: floa
     _done(board, output, record)
 
 
-def _watch(board: BoardBase, source: str, right: str | None, calibration: Path | None, nearer: float, output: Path,
+def _watch(board: Board, source: str, right: str | None, calibration: Path | None, nearer: float, output: Path,
            seconds: float | None, rate: float, film: bool, sigma: float, window: int | None) -> None:
     frames = open_source(source)
     others = open_source(right) if right is not None else None
@@ -179,7 +179,7 @@ def _page(output: Path, section: Section) -> None:
     write_page(output / "report.html", "Object following", [section])
 
 
-def _done(board: BoardBase, output: Path, record: FollowRecord) -> None:
+def _done(board: Board, output: Path, record: FollowRecord) -> None:
     notes.print(clocks_line(board, len(record.states)))
     out.print(f"{output / 'follow.csv'}: {len(record.states)} frames, lost in {record.share(State.LOST):.0%}; "
               f"{output / 'report.html'}")

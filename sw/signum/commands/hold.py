@@ -20,7 +20,7 @@ from signum.applications.hold.record import HoldRecord
 from signum.applications.hold.simulate import SURGE, Scenario, judge_rows
 from signum.applications.hold.simulate import hold as fly
 from signum.applications.hold.watch import watch
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -119,7 +119,7 @@ def hold(
             _fly(b, scenario, output, sink, sigma)
 
 
-def _fly(board: BoardBase, scenario: Scenario, output: Path, sink: MavlinkSink | None, sigma: float) -> None:
+def _fly(board: Board, scenario: Scenario, output: Path, sink: MavlinkSink | None, sigma: float) -> None:
     """The closed loop."""
     record, rows = HoldRecord(output, truth=True, often=max(10.0, scenario.seconds / 4)), []
     beat, total = Beat(), round(scenario.seconds * scenario.rate)
@@ -148,7 +148,7 @@ def _fly(board: BoardBase, scenario: Scenario, output: Path, sink: MavlinkSink |
     _done(output, record, sink)
 
 
-def _measure(board: BoardBase, source: str, output: Path, seconds: float | None, range_m: float | None,
+def _measure(board: Board, source: str, output: Path, seconds: float | None, range_m: float | None,
              focal: float | None, calibration: Path | None, rate: float | None, sink: MavlinkSink | None, sigma: float,
              window: int) -> None:
     """Open loop, on frames from elsewhere."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict
 
 from rich.table import Table as Grid
@@ -24,10 +23,8 @@ def info(
     """
     with board_of(board, window) as b:
         grid = Grid(show_header=False, box=None)
-        identify: Callable[[], dict[str, object]] | None = getattr(b, "identification", None)
-        about: dict[str, object] = identify() if identify else {"id": "none: a model in software", "board": b.name}
-        about |= {"configuration": b.config.name, **{k: v for k, v in asdict(b.config).items() if k != "name"},
-                  "max_window": b.config.max_window, "lanes": b.config.lanes}
+        build = {name: value for name, value in asdict(b.config).items() if name != "name"}
+        about = asdict(b.identification) | build | {"lanes": b.config.lanes}
         for name, value in (about | b.counters()).items():
             grid.add_row(name, str(value))
         out.print(grid)

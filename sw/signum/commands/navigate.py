@@ -15,7 +15,7 @@ from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
 from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
 from signum.applications.navigate.pilot import Aim, Pilot
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.commands.common import (
     BoardName,
     BoardOption,
@@ -132,7 +132,7 @@ class _Log:
             write_report(self.output)
 
 
-def _recorded(board: BoardBase, chart: Chart, source: str, output: Path, sigma: float, window: int,
+def _recorded(board: Board, chart: Chart, source: str, output: Path, sigma: float, window: int,
               calibration: Path | None, goto: str | None, prior: bool, limits: Limits) -> None:
     frames = open_source(source, calibration)
     target = None if goto is None else chart.place(goto)
@@ -156,7 +156,7 @@ def _recorded(board: BoardBase, chart: Chart, source: str, output: Path, sigma: 
     out.print(f"{output / 'navigate.csv'}: {found} of {len(log.places)} frames found")
 
 
-def _simulated(board: BoardBase, kind: Simulated, mosaic: Path, output: Path, goto: str | None, seed: int) -> None:
+def _simulated(board: Board, kind: Simulated, mosaic: Path, output: Path, goto: str | None, seed: int) -> None:
     from signum.applications.navigate.simulate import PanTiltSite, Scene, Step
     from signum.applications.navigate.truth import SIGMA, WINDOW
     from signum.applications.navigate.vehicle import Dive, VehicleSite
@@ -195,7 +195,7 @@ def _simulated(board: BoardBase, kind: Simulated, mosaic: Path, output: Path, go
               f"{error:.2f} px off, {100 * error / size[0]:.2f} % of the view")
 
 
-def _localiser(board: BoardBase, fit: Fit, chart: Chart, window: int, sigma: float, limits: Limits) -> Localiser:
+def _localiser(board: Board, fit: Fit, chart: Chart, window: int, sigma: float, limits: Limits) -> Localiser:
     largest = board.config.max_width, board.config.max_height
     return Localiser(lambda size, wide: Measurer(board, size, wide), largest, fit, chart, window, sigma, limits)
 

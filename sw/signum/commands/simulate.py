@@ -22,7 +22,7 @@ from signum.common.arrays import Image
 from signum.common.console import out, progress
 from signum.common.errors import SignumError
 from signum.measure.measurer import Measurer
-from signum.sources.simulated import Survey
+from signum.sources.simulated import SurveyPlan
 from signum.tables.table import Table
 from signum.world.camera import Pinhole
 from signum.world.scenes import BASELINE_M, Still, drift, survey, truth_of
@@ -153,7 +153,7 @@ def _stills(kind: Kind, camera: Pinhole, seconds: float, rate: float, height: fl
             seed: int) -> Iterator[Still]:
     light = WATERS[water]
     if kind is Kind.survey:
-        yield from survey(Survey().place, seconds, rate, height, stereo, light, seed, camera)
+        yield from survey(SurveyPlan().place, seconds, rate, height, stereo, light, seed, camera)
     elif kind is Kind.drift:
         yield from drift(seconds, rate, height, stereo, light, seed, camera)
     else:

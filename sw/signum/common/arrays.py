@@ -1,4 +1,4 @@
-"""Types of arrays, defined once; shapes and units stand where an array is used."""
+"""Types of arrays; their shapes and units are given where they are used."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""The errors a user can mend: one clear line each, with the remedy."""
+"""The errors a user can correct."""
 
 from __future__ import annotations
 
 
 class SignumError(Exception):
-    """Something the user handed over cannot be used; the message is one line and names the remedy."""
+    """An input that cannot be used; the message is one line and names the remedy."""
 
 
 class SourceError(SignumError):
-    """A picture, folder, video or camera that cannot be used."""
+    """A source of frames, or a frame, that cannot be used."""

@@ -1,0 +1,1 @@
+"""Frames: what a source offers, and how a frame is scaled for the board."""

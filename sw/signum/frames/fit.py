@@ -10,12 +10,12 @@ import numpy as np
 from golden.params import Config
 from signum.common.arrays import Floats, Image
 from signum.common.errors import SourceError
-from signum.frames.frame import _by, grey
+from signum.frames.frame import grey, size_text
 
 
 @dataclass(frozen=True)
 class Fit:
-    """How a source's frames are shown to the board: scaled down, where they are larger, to the size the board takes.
+    """How a source's frames are shown to the board: unscaled, or scaled down to the largest image the board takes.
 
     Positions are pixel centres: (0, 0) is the centre of the top left pixel in both pictures.
     """
@@ -32,8 +32,8 @@ class Fit:
         Args:
             size: of the original, pixels.
             config: the board's build.
-            window: side of the correlation window, pixels of the board's image, which must fit in.
-            label: what to call the frame in the error.
+            window: side of the correlation window, pixels of the board's image.
+            label: the frame's name in the error message.
 
         Raises:
             SourceError: if the frame is too small for the window or for the board.
@@ -43,15 +43,16 @@ class Fit:
         board = (max(1, round(width * scale)), max(1, round(height * scale)))
         least = max(window, config.min_image)
         if min(board) < least:
-            seen = "" if board == size else f" ({_by(board)} on the board)"
+            seen = "" if board == size else f" ({size_text(board)} on the board)"
             remedy = (f"choose a smaller one, e.g. --window {max(config.min_window, min(board) // 2)}"
-                      if min(board) >= config.min_image else f"the board takes {_by((config.min_image,) * 2)} or more")
-            raise SourceError(f"{label}: {_by(size)} pixels{seen} is smaller than the {_by((least, least))} window: "
-                              f"{remedy}")
+                      if min(board) >= config.min_image else
+                      f"the board takes {size_text((config.min_image, config.min_image))} or more")
+            raise SourceError(f"{label}: {size_text(size)} pixels{seen} is smaller than the "
+                              f"{size_text((least, least))} window: {remedy}")
         return cls(size, board)
 
     def coarser(self, longest: int) -> Fit:
-        """The same frames with a longer side of at most `longest` pixels on the board."""
+        """The fit of the same frames with a longer side of at most `longest` pixels on the board."""
         scale = min(1.0, longest / max(self.board))
         return Fit(self.source, (max(1, round(self.board[0] * scale)), max(1, round(self.board[1] * scale))))
 
@@ -62,7 +63,7 @@ class Fit:
 
     @property
     def scaled(self) -> bool:
-        """Whether the frames are scaled at all."""
+        """Whether the board's frames differ in size from the original ones."""
         return self.source != self.board
 
     def show(self, picture: Image) -> Image:
@@ -83,8 +84,8 @@ class Fit:
         return np.asarray((points + 0.5) / k - 0.5, np.float64)
 
     def note(self) -> str:
-        """One line for the user where frames are scaled, else empty."""
+        """One line for the user if frames are scaled, else empty."""
         if not self.scaled:
             return ""
-        return (f"frames of {_by(self.source)} are scaled to {_by(self.board)} for the board; "
+        return (f"frames of {size_text(self.source)} are scaled to {size_text(self.board)} for the board; "
                 "figures are in original pixels")

@@ -1,4 +1,4 @@
-"""A frame, and what every source of frames offers."""
+"""A frame, how one is read from a file, and what every source of frames offers."""
 
 from __future__ import annotations
 
@@ -15,10 +15,18 @@ from PIL import UnidentifiedImageError
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
 
+PilImage.MAX_IMAGE_PIXELS = None  # a large mosaic is no attack
+# A user gets one line for a picture that cannot be read; OpenCV's own warnings, of odd TIFF tags, would hide it.
+cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
+
 
 @dataclass(frozen=True)
 class Frame:
-    """One picture of a source."""
+    """One picture of a source, uint8 (H, W) or (H, W, 3) blue, green, red.
+
+    `name` is the file's name without its ending for pictures, the index from 0 for everything else; it is the `frame`
+    of all tables.
+    """
 
     name: str
     picture: Image
@@ -34,25 +42,17 @@ class Frame:
         return grey(self.picture)
 
 
-
-def grey(picture: Image) -> Image:
-    """A picture without its colour: uint8 (H, W)."""
-    return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
-
-
-
 class Source(ABC):
-    """An ordered run of frames of one size."""
+    """An ordered sequence of frames of one size."""
 
     snapshots = False
-    """True where frames are pictures taken apart from one another, rather than a stream in which little moves between
-    two."""
+    """Whether frames are single pictures, far apart, rather than a stream with little motion from one to the next."""
 
     def __init__(self, label: str, count: int | None) -> None:
         self.label = label
-        """What to call it in messages."""
+        """The source's name in messages."""
         self.count = count
-        """Number of frames, where it is known."""
+        """Number of frames; None if it is not known beforehand."""
 
     @abstractmethod
     def _frames(self) -> Iterator[Frame]: ...
@@ -61,19 +61,24 @@ class Source(ABC):
         """The frames, in order.
 
         Raises:
-            SourceError: at the first frame that cannot be used.
+            SourceError: at the first frame that cannot be used, after the ones before it.
         """
         first: Frame | None = None
         for frame in self._frames():
             first = first or frame
             if frame.size != first.size:
                 raise SourceError(
-                    f"{self.label}: frame {frame.name} is {_by(frame.size)}, frame {first.name} is {_by(first.size)}: "
-                    "all frames must have one size; crop or scale the odd ones, or put them in a folder of their own")
+                    f"{self.label}: frame {frame.name} is {size_text(frame.size)}, frame {first.name} is "
+                    f"{size_text(first.size)}: all frames must have one size; crop or scale the odd ones, or put them "
+                    "in a folder of their own")
             yield frame
         if first is None:
             raise SourceError(f"{self.label}: no frames in it; give a folder of pictures or a video that plays")
 
+
+def grey(picture: Image) -> Image:
+    """A picture without its colour: uint8 (H, W)."""
+    return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
 
 
 def read_picture(file: Path) -> Image:
@@ -84,7 +89,7 @@ def read_picture(file: Path) -> Image:
     """
     if not file.exists():
         raise SourceError(f"{file}: no such file; check the spelling")
-    try:  # OpenCV returns the part it could decode of a file cut short; Pillow says so
+    try:  # of a file cut short, OpenCV returns the part it could decode; Pillow raises
         with PilImage.open(file) as check:
             check.load()
     except UnidentifiedImageError:
@@ -105,6 +110,6 @@ def read_picture(file: Path) -> Image:
     return np.ascontiguousarray(raw, np.uint8)
 
 
-
-def _by(size: tuple[int, int]) -> str:
+def size_text(size: tuple[int, int]) -> str:
+    """A size (width, height) in messages: 640x480."""
     return f"{size[0]}x{size[1]}"

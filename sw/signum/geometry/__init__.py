@@ -1,0 +1,1 @@
+"""Geometry: similarities of the plane, camera calibration, and how a camera is turned."""

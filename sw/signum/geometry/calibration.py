@@ -1,4 +1,4 @@
-"""Camera calibration in OpenCV's YAML: lens distortion taken out of frames, stereo pairs rectified."""
+"""Camera calibration from OpenCV's YAML: the lens of one camera, and the rectification of a stereo pair."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class StereoGeometry:
     shift: float = 0.0
 
     def shrunk(self, factor: tuple[float, float]) -> StereoGeometry:
-        """The geometry of the pair scaled down by `factor` across and down; pixels are those of the smaller pair."""
+        """The geometry, in pixels of the smaller pair, of the pair scaled down by `factor` across and down."""
         centre = ((self.centre[0] + 0.5) / factor[0] - 0.5, (self.centre[1] + 0.5) / factor[1] - 0.5)
         return StereoGeometry(self.focal / factor[0], self.baseline, centre, self.shift / factor[0])
 
     def depth(self, disparity: Floats) -> Floats:
-        """Metres along the optical axis of disparities in pixels, any shape; NaN where there is none that is
+        """Metres along the optical axis of disparities in pixels, any shape; NaN where disparity + shift is not
         positive."""
         d = np.asarray(disparity, np.float64) + self.shift
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -53,7 +53,13 @@ class StereoGeometry:
 
 @dataclass(frozen=True, eq=False)
 class Rectifier:
-    """Turns the frames of two cameras into a rectified pair."""
+    """Rectifies the frames of two cameras.
+
+    Attributes:
+        geometry: of the rectified pair.
+        size: width and height of the frames, pixels.
+        maps: for the left and the right camera, the x and y in its frame of each rectified pixel, (height, width).
+    """
 
     geometry: StereoGeometry
     size: tuple[int, int]

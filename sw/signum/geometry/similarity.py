@@ -1,7 +1,6 @@
-"""Similarities of the plane: turn, zoom and shift, and their robust least-squares fit to pairs of points.
+"""Similarities of the plane: rotation, scale and translation, and their robust least-squares fit to pairs of points.
 
-Pixels, x to the right and y down, so a positive rotation is clockwise on the screen. Points are float64 arrays (...,
-2).
+Pixels, x to the right and y down, so a positive rotation is clockwise on the screen. Points are float64 (..., 2).
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ from signum.common.arrays import Complexes, Floats
 
 @dataclass(frozen=True)
 class Similarity:
-    """q = factor * p + shift, in complex numbers x + iy: |factor| is the zoom, its angle the rotation."""
+    """q = factor * p + shift, in complex numbers x + iy: |factor| is the scale, its angle the rotation."""
 
     factor: complex = 1 + 0j
     shift: complex = 0j
 
     @classmethod
     def of(cls, rot_deg: float = 0.0, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)) -> Similarity:
-        """From a rotation in degrees, a zoom and a shift in pixels."""
+        """From a rotation in degrees, a scale and a translation in pixels."""
         return cls(cmath.rect(scale, math.radians(rot_deg)), complex(*shift))
 
     @property
@@ -36,12 +35,12 @@ class Similarity:
 
     @property
     def scale(self) -> float:
-        """Zoom, above 0."""
+        """Scale, above 0."""
         return abs(self.factor)
 
     @property
     def inverse(self) -> Similarity:
-        """The way back."""
+        """The similarity q -> p."""
         return Similarity(1 / self.factor, -self.shift / self.factor)
 
     @property
@@ -51,7 +50,7 @@ class Similarity:
         return np.array([[a.real, -a.imag, t.real], [a.imag, a.real, t.imag]])
 
     def __call__(self, points: Floats) -> Floats:
-        """Points moved."""
+        """The images q of points p, (..., 2)."""
         return _points(self.factor * _complex(points) + self.shift)
 
     def __matmul__(self, first: Similarity) -> Similarity:
@@ -63,7 +62,7 @@ IDENTITY = Similarity()
 
 
 def corners(size: tuple[int, int]) -> Floats:
-    """Centres of the corner pixels of a picture (width, height), (4, 2), going round."""
+    """Centres (4, 2) of the corner pixels of a picture (width, height), clockwise from the top left."""
     right, bottom = size[0] - 1, size[1] - 1
     return np.array([[0, 0], [right, 0], [right, bottom], [0, bottom]], np.float64)
 
@@ -88,7 +87,7 @@ class FitResult:
         similarity: p -> q.
         agree: bool (n,), the pairs within the tolerance.
         rms_px: of their residuals, (x, y) together.
-        turning: whether rotation and zoom are fitted, or left at none because the points could not bear it.
+        turning: whether rotation and scale were fitted; else they are 0 and 1, as the points do not determine them.
     """
 
     similarity: Similarity
@@ -105,16 +104,16 @@ def vote(
     max_zoom: float,
     apart: float,
 ) -> tuple[Similarity, NDArray[np.bool_]]:
-    """The similarity most pairs agree on: every shift by one pair and every similarity by two pairs is tried.
+    """The similarity most pairs agree on, of all translations by one pair and all similarities by two pairs.
 
     Args:
         p, q: (n, 2) points and where they were found, n >= 1; most may be wrong.
         tolerance: pixels by which an agreeing pair may miss.
-        max_rot_deg, max_zoom: bounds of what is tried; zoom between 1/max_zoom and max_zoom.
+        max_rot_deg, max_zoom: bounds of what is tried; the scale lies between 1/max_zoom and max_zoom.
         apart: least distance of two points that define a similarity, pixels.
 
     Returns:
-        The similarity and which pairs agree, bool (n,). Of equal votes a pure shift wins, then the first.
+        The similarity and which pairs agree, bool (n,). Of equal votes a translation wins, then the first.
     """
     a, b = _complex(p), _complex(q)
     i, j = np.triu_indices(len(a), 1)
@@ -134,13 +133,14 @@ def vote(
 def fit(p: Floats, q: Floats, start: Similarity, tolerance: float, max_rot_error_deg: float = 1.0) -> FitResult:
     """Least squares with Tukey weights from a good start, agreeing pairs chosen anew each round.
 
-    Rotation and zoom are fitted where the agreeing points lie far enough apart for the rotation's standard error to
-    stay below `max_rot_error_deg`; else only the shift is, with the start's rotation and zoom dropped.
+    Rotation and scale are fitted if the agreeing points lie far enough apart for the rotation's standard error to stay
+    below `max_rot_error_deg`; else the result is a translation, without the start's rotation and scale.
 
     Args:
         p, q: (n, 2) pixels.
-        start: roughly right.
+        start: a similarity that is about right.
         tolerance: pixels at which a pair's weight reaches zero.
+        max_rot_error_deg: largest standard error of a fitted rotation.
     """
     a, b = _complex(p), _complex(q)
     found, turning, rms = start, True, 0.0

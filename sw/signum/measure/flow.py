@@ -52,11 +52,11 @@ def measure_flow(
         before: the earlier view; after: the later one.
         window: width and height, pixels.
         step: grid spacing, pixels.
-        reach: largest displacement searched for about `guess`, across and down, pixels.
+        reach: search range around `guess`, across and down, pixels.
         guess: expected displacement, pixels.
         rules: what makes a measurement valid; the measurer's own where None.
-        support: how many of a window's eight neighbours must agree with it for it to be valid. With 1 a lone false
-            match goes, and so does a thing that moves by itself and fills a single window.
+        support: number of a window's eight neighbours that must agree with it for it to be valid. With 1, a lone false
+            match is refused, and so is an object that moves by itself and fills a single window.
 
     Raises:
         ValueError: if no window fits the picture.

@@ -1,9 +1,9 @@
-"""Measurements: where a window of one picture lies in another. The only layer that knows the Board.
+"""Measurements: where a window of one picture lies in another. The only layer that uses the Board.
 
 A `Measurer` turns frames into `View`s (sign planes kept on the board) and answers `Query`s with `Measurement`s, each
-validated by itself: peak, margin over the runner-up, position of the peak inside the search, texture of the window, and
-a backward search that must return to the start. Applications see views and measurements; slots, jobs and bits stay in
-here.
+validated by itself: score of the peak, margin over the runner-up, position of the peak inside the search, texture of
+the window, and a backward search that must return to the start. Applications see views and measurements; slots and jobs
+are hidden in this module, bits and their peaks in `peak`.
 
 Pixels are those of the frames given to `view`; x to the right, y down.
 """
@@ -16,11 +16,11 @@ from enum import StrEnum
 
 import numpy as np
 
-from golden.correlate import Job, Result, Status
-from golden.params import NO_SCORE
-from signum.boards.board import Board, run_jobs
+from golden.correlate import Job, Status
+from signum.boards.board import Board, BoardError, run_jobs
 from signum.common.arrays import Image
-from signum.measure.subpixel import CONE_FROM, Fit, line_offset, peak_offsets
+from signum.measure.peak import Peak, locate_peaks
+from signum.measure.subpixel import PeakFit
 
 
 class Reason(StrEnum):
@@ -40,16 +40,15 @@ class Reason(StrEnum):
     RETURN = "return"
     """The search from the found place back did not return to the start."""
     PARTS = "parts"
-    """The window and its parts moved apart: perspective, relief, or chance."""
+    """The window and its inner part moved differently: perspective, relief, or chance."""
 
 
 @dataclass(frozen=True)
 class Measurement:
     """Displacement of a window from its reference view to another one.
 
-    `score` is the matching fraction at the peak (0..1, chance 0.5), `margin` how far it stands above the best match
-    outside the peak's 3x3 neighbourhood. Displacement is filled in also where the measurement is not valid, zero where
-    there is none.
+    `score` is the matching fraction at the peak (0..1, chance 0.5), `margin` its difference from the best match outside
+    the peak's 3x3 neighbourhood. An invalid measurement has a displacement, too, which is zero where no peak was found.
     """
 
     dx_px: float
@@ -62,10 +61,14 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A frame's sign plane on the board: a handle, good until released. `frame_size` is (width, height)."""
+    """A frame's sign plane on the board, to be used with the `Measurer` that took it until it is released.
+
+    `frame_size` is (width, height), pixels.
+    """
 
     frame_size: tuple[int, int]
     _slot: int
+    _owner: Measurer = field(repr=False)
     _texture: dict[tuple[int, int, int, int], float] = field(default_factory=dict, repr=False)
 
 
@@ -73,8 +76,8 @@ class View:
 class Query:
     """Where does the window of `reference` with its centre at (x, y) lie in `live`?
 
-    The window covers x - width//2 .. x - width//2 + width - 1. Searched are the places within `reach` (across, down)
-    pixels of the `guess`ed displacement (dx, dy), as far as they lie inside the picture.
+    The window covers columns x - width//2 to x - width//2 + width - 1, and rows likewise. The search range is `reach`
+    (across, down) pixels around the `guess`ed displacement (dx, dy), clipped to the picture.
     """
 
     reference: View
@@ -91,10 +94,10 @@ class Query:
 class Rules:
     """What makes a measurement valid. Scores are matching fractions.
 
-    `min_score` is not a matter of chance level alone: wrong peaks on real seabed score far above it, so the other
-    checks carry the weight. `max_likeness` bounds how well a window may match itself two pixels or more away, beyond
-    what white texture under the same filter does (0: exactly that, 1: identical). `max_return_px` is the distance by
-    which the backward search may miss.
+    `min_score` alone does not tell right from wrong: on real seabed, wrong peaks score far above chance, and most of
+    them fail the other checks. `max_likeness` bounds how well a window may match itself two pixels or more away, from 0
+    (as white texture under the same filter) to 1 (identical). `max_return_px` is the largest distance between the start
+    and the end of the backward search.
     """
 
     min_score: float = 0.62
@@ -103,11 +106,15 @@ class Rules:
     max_return_px: float = 1.0
     backward: bool = True
     texture: bool = True
-    fit: Fit = "auto"
+    fit: PeakFit = "auto"
 
 
 class Measurer:
     """Takes views and measures between them on one board, at one picture size and sigma.
+
+    A measurer configures the board when it is made and uses all of its slots. From the next `configure` on, that of a
+    later measurer included, it raises BoardError for everything but `release`. Code that changes between two picture
+    sizes makes a new measurer each time.
 
     Raises:
         BoardError: if the board cannot take pictures of this size, or this sigma.
@@ -118,8 +125,8 @@ class Measurer:
         self.size = size
         self.sigma = sigma
         self.rules = rules or Rules()
-        board.set_image_size(*size)
-        board.set_filter(sigma)
+        board.configure(size, sigma)
+        self._configuration = board.configurations
         self._free = list(range(board.config.slots))
 
     @property
@@ -141,21 +148,23 @@ class Measurer:
 
         Raises:
             RuntimeError: if every slot is taken by views not yet released.
-            BoardError: for a frame of another shape or type.
+            BoardError: for a frame of another shape or type, or if the board was configured again.
         """
+        board = self._own_board()
         if not self._free:
-            raise RuntimeError(f"all {self._board.config.slots} slots hold views: release one first")
-        self._board.capture(self._free[0], frame, camera)
-        return View(self.size, self._free.pop(0))
+            raise RuntimeError(f"all {board.config.slots} slots hold views: release one first")
+        board.capture(self._free[0], frame, camera)
+        return View(self.size, self._free.pop(0), self)
 
     def pair(self, left: Image, right: Image) -> tuple[View, View]:
         """Capture two frames at the same time through cameras 0 and 1; otherwise as `view`."""
+        board = self._own_board()
         if len(self._free) < 2:
             raise RuntimeError("a pair needs two free slots: release some views first")
         slots = self._free[0], self._free[1]
-        self._board.capture_pair(slots, (left, right))
+        board.capture_pair(slots, (left, right))
         del self._free[:2]
-        return View(self.size, slots[0]), View(self.size, slots[1])
+        return View(self.size, slots[0], self), View(self.size, slots[1], self)
 
     def release(self, view: View) -> None:
         """Give a view's slot back; the view must not be used any more."""
@@ -164,8 +173,14 @@ class Measurer:
         self._free.append(view._slot)
 
     def signs(self, view: View) -> Image:
-        """The view's sign plane, uint8 (height, width) of 0 and 1: for pictures, not for measuring."""
-        return self._board.read_plane(view._slot)
+        """The view's sign plane, uint8 (height, width) of 0 and 1: for pictures, not for measuring.
+
+        Raises:
+            ValueError: if another measurer took the view.
+            BoardError: if the board was configured again.
+        """
+        self._check_own(view)
+        return self._own_board().read_plane(view._slot)
 
     def measure(self, queries: Sequence[Query], rules: Rules | None = None) -> list[Measurement]:
         """Answer queries, in order; the board gets them as one batch, and the checks as a second.
@@ -173,14 +188,20 @@ class Measurer:
         Args:
             queries: any number, of any mix of views, windows and searches.
             rules: overrides the measurer's own.
+
+        Raises:
+            ValueError: if another measurer took one of the views.
+            BoardError: if the board was configured again.
         """
+        self._own_board()
+        self._check_own(*(view for q in queries for view in (q.reference, q.live)))
         rules = rules or self.rules
         answers = [Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE)] * len(queries)
         jobs = [(i, job) for i, q in enumerate(queries) if (job := _search(q)) is not None]
         found = self._peaks([job for _, job in jobs], rules.fit)
         passed: list[int] = []
-        for (i, job), peak in zip(jobs, found, strict=True):
-            answers[i] = peak.measurement(job, rules)
+        for (i, _), peak in zip(jobs, found, strict=True):
+            answers[i] = _judged(peak, rules)
             if answers[i].valid:
                 passed.append(i)
         if rules.texture and passed:
@@ -200,7 +221,12 @@ class Measurer:
         """How much windows (x, y of the centre, width, height) look like themselves two pixels or more away.
 
         0 is white texture under this filter, 1 a window without texture or along a bare edge; see `Rules.max_likeness`.
+
+        Raises:
+            ValueError: if another measurer took the view.
+            BoardError: if the board was configured again.
         """
+        self._check_own(view)
         return self._likeness([Query(view, view, x, y, w, h) for x, y, w, h in windows])
 
     def _likeness(self, queries: Sequence[Query]) -> list[float]:
@@ -212,13 +238,15 @@ class Measurer:
                 wanted[id(q.reference), key] = Query(q.reference, q.reference, *key, reach=(reach, reach))
         checks = [(q, job) for q in wanted.values() if (job := _search(q)) is not None]
         base = white_match(2.0, self.sigma)
-        for (q, job), result in zip(checks, run_jobs(self._board, [job for _, job in checks]), strict=True):
+        results = run_jobs(self._own_board(), [job for _, job in checks])
+        for (q, job), result in zip(checks, results, strict=True):
             match = result.runner_up / (job.width * job.height) if result.status is Status.OK else 1.0
             q.reference._texture[q.x, q.y, q.width, q.height] = (match - base) / (1 - base)
         return [q.reference._texture.get((q.x, q.y, q.width, q.height), 1.0) for q in queries]
 
     def _misses(self, queries: Sequence[Query], forward: Sequence[Measurement], rules: Rules) -> list[float]:
-        """Distance between where each backward query ends and where its forward one began; infinite for none."""
+        """Distance between the end of each backward query and the start of its forward one, pixels; infinite where the
+        backward query has no answer."""
         misses = [float("inf")] * len(queries)
         jobs = [(i, job) for i, q in enumerate(queries) if (job := _search(q)) is not None]
         for (i, _), peak in zip(jobs, self._peaks([job for _, job in jobs], rules.fit), strict=True):
@@ -226,8 +254,19 @@ class Measurer:
                 misses[i] = float(np.hypot(peak.dx + forward[i].dx_px, peak.dy + forward[i].dy_px))
         return misses
 
-    def _peaks(self, jobs: Sequence[Job], fit: Fit) -> list[_Peak]:
-        return _refine(jobs, run_jobs(self._board, jobs), fit)
+    def _peaks(self, jobs: Sequence[Job], fit: PeakFit) -> list[Peak]:
+        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), fit)
+
+    def _own_board(self) -> Board:
+        """The board, as this measurer configured it."""
+        if self._board.configurations != self._configuration:
+            raise BoardError("the board was configured again, by another Measurer or by hand, and no longer holds this "
+                             "Measurer's views: make a new Measurer, or open a second board")
+        return self._board
+
+    def _check_own(self, *views: View) -> None:
+        if any(view._owner is not self for view in views):
+            raise ValueError("the view was taken by another Measurer: take it again with this one")
 
 
 def white_match(distance: float, sigma: float) -> float:
@@ -237,25 +276,14 @@ def white_match(distance: float, sigma: float) -> float:
     return float(0.5 + np.arcsin(rho) / np.pi)
 
 
-@dataclass(frozen=True)
-class _Peak:
-    """A result in pixels: displacement, matching fractions, and whether the peak is inside its search."""
-
-    status: Status
-    dx: float = 0.0
-    dy: float = 0.0
-    score: float = 0.0
-    margin: float = 0.0
-    inside: bool = False
-
-    def measurement(self, job: Job, rules: Rules) -> Measurement:
-        """The measurement as far as one search can tell."""
-        if self.status is not Status.OK:
-            return Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE)
-        checks = ((Reason.SCORE, self.score >= rules.min_score), (Reason.MARGIN, self.margin >= rules.min_margin),
-                  (Reason.BORDER, self.inside))
-        reason = next((reason for reason, good in checks if not good), Reason.NONE)
-        return Measurement(self.dx, self.dy, self.score, self.margin, reason is Reason.NONE, reason)
+def _judged(peak: Peak, rules: Rules) -> Measurement:
+    """The measurement, as far as one search can decide it."""
+    if peak.status is not Status.OK:
+        return Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE)
+    checks = ((Reason.SCORE, peak.score >= rules.min_score), (Reason.MARGIN, peak.margin >= rules.min_margin),
+              (Reason.BORDER, peak.inside))
+    reason = next((reason for reason, good in checks if not good), Reason.NONE)
+    return Measurement(peak.dx, peak.dy, peak.score, peak.margin, reason is Reason.NONE, reason)
 
 
 def _refuse(m: Measurement, reason: Reason) -> Measurement:
@@ -263,7 +291,7 @@ def _refuse(m: Measurement, reason: Reason) -> Measurement:
 
 
 def _search(q: Query) -> Job | None:
-    """The job that answers a query, its search clipped to the picture; None where nothing is left of it."""
+    """The job that answers a query, its search range clipped to the picture; None where nothing is left of it."""
     width, height = q.live.frame_size
     left, top = q.x - q.width // 2, q.y - q.height // 2
     if left < 0 or top < 0 or left + q.width > q.reference.frame_size[0] or top + q.height > q.reference.frame_size[1]:
@@ -277,39 +305,6 @@ def _search(q: Query) -> Job | None:
 
 
 def _backward(q: Query, m: Measurement) -> Query:
-    """The query from the place found back to the start, over as large a search as the forward one."""
+    """The query from the place found back to the start, with the search range of the forward one."""
     dx, dy = round(m.dx_px), round(m.dy_px)
     return Query(q.live, q.reference, q.x + dx, q.y + dy, q.width, q.height, (-dx, -dy), q.reach)
-
-
-def _refine(jobs: Sequence[Job], results: Sequence[Result], fit: Fit) -> list[_Peak]:
-    peaks = []
-    whole = [i for i, r in enumerate(results) if r.status is Status.OK and NO_SCORE not in r.neighbours]
-    patches = np.array([[*results[i].neighbours[:4], results[i].score, *results[i].neighbours[4:]] for i in whole])
-    areas = np.array([jobs[i].width * jobs[i].height for i in whole], np.float64)
-    tips = dict(zip(whole, peak_offsets(patches.reshape(-1, 3, 3), areas, fit), strict=True))
-    for i, (job, r) in enumerate(zip(jobs, results, strict=True)):
-        if r.status is not Status.OK:
-            peaks.append(_Peak(r.status))
-            continue
-        area = job.width * job.height
-        score = r.score / area
-        runner_up = 0.5 if r.runner_up == NO_SCORE else r.runner_up / area
-        tip = tips.get(i)
-        if tip is None:
-            tip = _line_tip(r, area, "cone" if fit == "cone" or (fit == "auto" and score >= CONE_FROM) else "parabola")
-        inside = ((0 < r.best_x < job.offsets_x - 1 or job.offsets_x == 1)
-                  and (0 < r.best_y < job.offsets_y - 1 or job.offsets_y == 1))
-        peaks.append(_Peak(r.status, job.search_x + r.best_x - job.tpl_x + float(tip[0]),
-                           job.search_y + r.best_y - job.tpl_y + float(tip[1]), score, score - runner_up, inside))
-    return peaks
-
-
-def _line_tip(r: Result, area: int, fit: Fit) -> tuple[float, float]:
-    """Sub-pixel tip along the lines that have both neighbours; 0 along the others."""
-    def along(before: int, after: int) -> float:
-        if NO_SCORE in (before, after):
-            return 0.0
-        return line_offset(before / area, r.score / area, after / area, "cone" if fit == "cone" else "parabola")
-
-    return along(r.neighbours[3], r.neighbours[4]), along(r.neighbours[1], r.neighbours[6])

@@ -1,4 +1,4 @@
-"""Where to search next: constant velocity, and a reach that follows how well that has worked so far."""
+"""How far to search around a predicted displacement: a reach that follows the prediction errors so far."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from signum.common.arrays import Floats
 
 
 class SearchPredictor:
-    """Predicts the search of a group of windows that move with one picture, pixels.
+    """The reach of the search for a group of windows that move with one picture, pixels.
 
-    The reach is `floor` plus three times the smoothed typical prediction error, within `floor`..`widest`; it starts at
-    the widest, is the widest again after a frame in which less than half of the windows were found, and shrinks by at
-    most half a frame.
+    The reach is `floor` plus three times the 90th percentile of the last prediction errors, within `floor`..`widest`.
+    It starts at the widest, returns to it after a frame in which less than half of the windows were found, and shrinks
+    to no less than half from one frame to the next.
     """
 
     def __init__(self, floor: int = 6, widest: int = 32) -> None:
@@ -22,7 +22,7 @@ class SearchPredictor:
         self.reach = widest
 
     def learn(self, errors: Floats, wanted: int) -> None:
-        """Take in how far the found displacements were from the predicted ones.
+        """Update the reach from the distances between found and predicted displacements.
 
         Args:
             errors: (n,) distances of the valid ones, pixels.

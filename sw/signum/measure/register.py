@@ -1,15 +1,16 @@
-"""Registration of two overlapping pictures: turn, zoom and shift between them, from windows that must agree.
+"""Registration of two overlapping pictures: rotation, scale and translation, from windows that must agree.
 
-1. Coarse: both pictures scaled to 160 pixels; a grid of windows, each searched for in the whole other picture; the
-   similarity most windows agree on (`geometry.vote`). Windows of a fifth of the picture find their place in steps of
-   two thirds of a frame.
-2. Fine: windows of the chosen size laid over the predicted overlap of the pictures as the board sees them, each
-   searched for a little around its predicted place and validated by itself (`measure`); robust least squares over
-   those that pass.
-3. Accepted is what enough windows agree on, and a good share of all windows that ought to have agreed: wrong matches
-   agree by chance, but never many of them together.
+1. Coarse: both pictures are scaled to 160 pixels; a grid of windows, each searched for in the whole other picture,
+   votes for a similarity (`geometry.similarity.vote`). With windows of a fifth of the picture, the offset between the
+   pictures may be two thirds of a frame.
+2. Fine: windows of the chosen size cover the predicted overlap of the pictures at the board's resolution. Each is
+   searched for near its predicted place and validated by itself; a similarity is fitted to the valid ones by robust
+   least squares.
+3. Accepted is a similarity that enough windows agree on, and a good share of all windows that should have: a few wrong
+   matches may agree by chance, many never do.
 
-Where a good guess is at hand (a video), the coarse step is left out.
+With a good guess (a video), the coarse step is left out. Between the two steps the board changes size: a measurer made
+for one of them ends the one before, whose views are dropped with it.
 """
 
 from __future__ import annotations
@@ -27,32 +28,36 @@ from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, Reason, Rules, View
 
 COARSE_SIDE = 160
+"""Longer side of the coarse picture, pixels, unless the shorter one would fall below COARSE_LEAST."""
 COARSE_LEAST = 64
 COARSE_WINDOW = 32
 COARSE_SIGMA = 1.25
 COARSE_GRID = (7, 6)
+"""Number of coarse windows across and down."""
 COARSE_REACH = 20
-"""Pixels of the coarse picture searched where the first ballot told about where to look."""
+"""Search range of a second coarse vote around what the first one found, pixels of the coarse picture."""
 ANYTHING = Rules(min_score=0.0, min_margin=-1.0, backward=False, texture=False)
-"""Rules of the coarse search: every window has a vote."""
+"""Rules of the coarse search: every window may vote."""
 
 
 @dataclass(frozen=True)
-class Limits:
-    """What is looked for and what is accepted.
+class RegistrationLimits:
+    """What is searched for and what is accepted.
 
     Attributes:
-        rot_deg, zoom: largest rotation and zoom between two pictures.
+        rot_deg, zoom: largest rotation and scale between two pictures.
         turns_deg: rotations of picture a tried in the coarse step, until `convinced` windows agree.
-        straight_deg, straight_zoom: up to this much, a is not turned for the fine step.
-        coarse_miss: pixels of the coarse picture by which a window may miss the similarity it votes for.
-        rival_votes, rival_share: number of coarse windows, and share of the winning number, from which a second place
-            is looked at too: where both match, neither is believed.
-        fine_miss: the same on the board, as a fraction of the window's side: relief moves windows apart.
+        convinced: number of agreeing coarse windows that ends the coarse step.
+        straight_deg, straight_zoom: up to this rotation and change of scale, a is not warped for the next search.
+        coarse_miss: largest distance of an agreeing window from its place by the similarity, pixels of the coarse
+            picture.
+        rival_votes, rival_share: number of coarse windows, and share of the winning number, from which another place
+            is tried too; if both match, neither is accepted.
+        fine_miss: as `coarse_miss`, of fine windows, as a fraction of their side: relief displaces them.
         windows: least number of agreeing fine windows.
-        share: least share of the fine windows in the overlap that must agree. Relief moves windows of right pairs
-            out of `fine_miss`, down to a share of 0.3; wrong pairs of real surveys stay below 0.15.
-        reach: pixels of the board searched around a place predicted from the coarse step.
+        share: least share of the fine windows in the overlap that must agree. Relief displaces windows of right pairs
+            by more than `fine_miss`, down to a share of 0.3; wrong pairs of real surveys stay below 0.15.
+        reach: search range around a place predicted from the coarse step, pixels of the board.
         rules: of the fine measurements.
     """
 
@@ -74,20 +79,20 @@ class Limits:
 
 @dataclass(frozen=True)
 class Registration:
-    """Where picture b sees what picture a sees.
+    """The similarity between two pictures a and b.
 
     Attributes:
         similarity: pixels of a's original picture -> pixels of b's.
         shift: where a's centre lands in b, minus b's centre, original pixels.
         score: median matching fraction of the agreeing windows, 0 where there are none.
         margin: their median margin.
-        agreed, tried: fine windows that agree; that were laid over the predicted overlap.
-        accepted: whether to believe it.
+        agreed, tried: number of fine windows that agree, and of all in the predicted overlap.
+        accepted: whether to use it.
         reason: why not, one phrase.
-        turning: whether rotation and zoom were measured, not only the shift.
+        turning: whether rotation and scale were measured, not only the translation.
         middle: centroid of the agreeing windows, original pixels of a; the picture's centre where there are none.
         spread_px: their root-mean-square distance from it, original pixels.
-        rms_px: of their distances from where the similarity puts them, original pixels.
+        rms_px: of their distances from their places by the similarity, original pixels.
     """
 
     similarity: Similarity
@@ -106,7 +111,7 @@ class Registration:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A picture as both levels see it: grey uint8."""
+    """A picture at the resolutions of both steps: grey uint8."""
 
     coarse: Image
     fine: Image
@@ -114,7 +119,7 @@ class Prepared:
 
 @dataclass(frozen=True)
 class _Vote:
-    """A similarity of the coarse step, original pixels, and how many windows vote for it."""
+    """A similarity of the coarse step, original pixels, and the number of windows that vote for it."""
 
     similarity: Similarity
     count: int
@@ -124,20 +129,20 @@ class Registrar:
     """Registers pictures of one size.
 
     Args:
-        measurer: makes a measurer for a picture size (width, height) and a sigma; earlier ones are not used any more.
-        fine: how the original pictures are shown to the board.
-        coarse: how they are shown to it in the coarse step.
+        measurer: makes a measurer for a picture size (width, height) and a sigma, which ends earlier ones of its board.
+        fine: scales the original pictures for the board.
+        coarse: scales them for the coarse step.
         window: side of the fine windows, pixels of the board.
         sigma: of the fine step, pixels of the board.
-        limits: see `Limits`.
+        limits: see `RegistrationLimits`.
     """
 
     def __init__(self, measurer: Callable[[tuple[int, int], float], Measurer], fine: Fit, coarse: Fit, window: int = 64,
-                 sigma: float = 2.5, limits: Limits | None = None) -> None:
+                 sigma: float = 2.5, limits: RegistrationLimits | None = None) -> None:
         self._make = measurer
         self.fine, self.coarse = fine, coarse
         self.window, self.sigma = window, sigma
-        self.limits = limits or Limits()
+        self.limits = limits or RegistrationLimits()
         self._measurer: Measurer | None = None
         self._reference: tuple[Prepared, Similarity, View] | None = None
         size = np.array(fine.source, np.float64)
@@ -165,8 +170,8 @@ class Registrar:
 
         Args:
             a, b: the pictures.
-            guess: original pixels of a -> of b, where something is known; None searches everywhere.
-            reach: pixels of the board searched around the guess.
+            guess: original pixels of a -> of b; None searches everywhere.
+            reach: search range around the guess, pixels of the board.
         """
         if guess is not None:
             return self._around(a, b, guess, reach or self.limits.reach)
@@ -181,13 +186,13 @@ class Registrar:
         return result
 
     def _apart(self, one: Registration, other: Registration) -> bool:
-        """Whether two registrations say different things, rather than the same more or less well."""
+        """Whether two registrations are of different places, rather than of one place with different errors."""
         return math.dist(one.shift, other.shift) > self.limits.fine_miss * 2 * self.window * max(self.fine.factor)
 
     def _around(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
-        """The fine step about a guess, and about what it leads to."""
+        """The fine step around a guess and, if it does not succeed, around its own result."""
         result = self._finely(a, b, guess, reach)
-        if not result.accepted and result.agreed >= 3:  # a better guess of the rotation may let the others match too
+        if not result.accepted and result.agreed >= 3:  # with a better rotation, more windows may match
             again = self._finely(a, b, result.similarity, self.limits.reach)
             result = again if again.agreed > result.agreed else result
         return result
@@ -200,16 +205,19 @@ class Registrar:
         return float(dx), float(dy)
 
     def _turn(self, like: Similarity) -> Similarity:
-        """The rotation and zoom of `like` about the picture's centre; none where windows match well enough without."""
+        """The rotation and scale of `like` about the picture's centre; none if windows match well enough without."""
         if abs(like.rot_deg) < self.limits.straight_deg and abs(like.scale - 1) < self.limits.straight_zoom:
             return IDENTITY
         centre = complex(*self.centre)
         return Similarity(like.factor, centre - like.factor * centre)
 
     def _coarsely(self, a: Prepared, b: Prepared) -> list[Similarity]:
-        """Guesses, original pixels, the better first: what most windows vote for with a straight or turned by one of
-        `turns_deg`; what they vote for when a is turned and zoomed by that, so that more of them match, if the first
-        vote did not convince; and what a good number of others vote for, as where the scene repeats itself."""
+        """Guesses, original pixels, the better first.
+
+        The first is what most windows vote for with a rotated by one of `turns_deg`. If fewer than `convinced` do, the
+        second is the result of another vote with a rotated and scaled by the first, so that more windows match. The
+        others are rivals that a good number of windows vote for, as where the scene repeats itself.
+        """
         self._measurer = self._reference = None
         measurer = self._make(self.coarse.board, COARSE_SIGMA)
         live = measurer.view(b.coarse)
@@ -232,8 +240,8 @@ class Registrar:
 
     def _ballot(self, measurer: Measurer, a: Prepared, live: View, turn: Similarity,
                 onward: Similarity | None = None) -> list[_Vote]:
-        """What most windows of a, turned, vote for, and what most of the others do; searched everywhere, or about where
-        `onward` takes them."""
+        """The similarity that most windows of a, warped by `turn`, vote for, and the one that most others vote for; the
+        search is everywhere, or around the places that `onward` predicts."""
         side = [min(COARSE_WINDOW, n // 2) for n in self.coarse.board]
         tolerance = self.limits.coarse_miss * max(self.coarse.factor)
         apart = 0.5 * min(side) * max(self.coarse.factor)
@@ -260,7 +268,7 @@ class Registrar:
         return out
 
     def _seen(self, level: Fit, turn: Similarity, centre: tuple[int, int], side: Sequence[int]) -> bool:
-        """Whether the whole window at `centre` of a picture turned by `turn` shows only the picture."""
+        """Whether the window at `centre` of a picture warped by `turn` lies within the picture."""
         if turn == IDENTITY:
             return True
         corners = np.array(centre) + np.array([[-1, -1], [1, -1], [-1, 1], [1, 1]]) * (np.array(side) / 2 + 1)
@@ -310,7 +318,7 @@ class Registrar:
                             float(np.sqrt(((back - middle) ** 2).sum(axis=1).mean())), result.rms_px)
 
     def _overlap(self, guess: Similarity, turn: Similarity) -> tuple[int, list[tuple[int, int]]]:
-        """The largest window side, from the chosen one downwards, of which enough fit the overlap; their centres."""
+        """The largest window side, not above the chosen one, of which enough fit the overlap; and their centres."""
         window = self.window
         while True:
             centres = self._inside(guess, turn, window)
@@ -320,7 +328,7 @@ class Registrar:
             window = smaller
 
     def _inside(self, guess: Similarity, turn: Similarity, window: int) -> list[tuple[int, int]]:
-        """Centres of windows that lie in a, and by the guess in b too; thinned to about two dozen."""
+        """Centres of windows that lie in a and, by the guess, in b; thinned to about two dozen."""
         width, height = self.fine.board
         across, down = (max(1, 1 + math.ceil(2 * (n - window) / window)) for n in (width, height))
         centres = _grid([window, window], [width, height], (across, down))
@@ -342,7 +350,7 @@ def _grid(window: Sequence[int], size: Sequence[int], counts: tuple[int, int]) -
 
 
 def _warp(picture: Image, level: Fit, turn: Similarity) -> Image:
-    """A board's picture turned by a similarity given in original pixels."""
+    """A board's picture warped by a similarity given in original pixels."""
     if turn == IDENTITY:
         return picture
     matrix = turn.matrix

@@ -1,10 +1,9 @@
 """Stereo range: disparities of a grid of windows along the rows of a rectified pair (the paper's figure 5).
 
 Each window of the left view is searched for along the same rows of the right view: a one-dimensional job. A disparity
-is left x minus right x, positive for everything nearer than infinity. The measurement layer checks peak, margin,
-texture, and that the search from the right view back returns to the left window (left-right check). At the edge of a
-near thing a window holds two depths and may answer with either; a window twice as large then answers differently, so
-the two must agree.
+is left x minus right x, positive for everything nearer than infinity. The measurer checks peak, margin, texture, and
+that the search from the right view back returns to the left window (left-right check). At the edge of a near object a
+window covers two depths and may yield either; a window twice as large then yields another one, so the two must agree.
 """
 
 from __future__ import annotations
@@ -22,10 +21,9 @@ from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurement, Measurer, Query, Rules, View
 
 SCALE_WIDTH = 64
-"""Pixels of the colour scale beside a drawn map."""
-
+"""Width of the colour scale beside a drawn map, pixels."""
 STEREO_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=0.6)
-"""Both views are of one moment, so a match is sharper than one between two frames of a dive."""
+"""Stricter than `Rules`: both views are of one moment, so they match better than two frames of a dive."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +33,7 @@ class RangeMap:
     Attributes:
         x: (nx,) and y: (ny,) centres, pixels of the left view.
         disparity: (ny, nx) pixels; NaN where the measurement is not valid.
-        score: (ny, nx) matching fraction; margin: likewise, over the second peak.
+        score, margin: (ny, nx) of the measurements.
     """
 
     x: Floats
@@ -50,7 +48,7 @@ class RangeMap:
         return np.isfinite(self.disparity)
 
     def to_source(self, fit: Fit) -> RangeMap:
-        """The same in original pixels, for a pair the board saw scaled down by `fit`."""
+        """The map in original pixels, of a pair scaled down for the board by `fit`."""
         xs, ys = np.stack([self.x, self.x], axis=1), np.stack([self.y, self.y], axis=1)
         return RangeMap(fit.to_source(xs)[:, 0], fit.to_source(ys)[:, 1], self.disparity * fit.factor[0], self.score,
                         self.margin)
@@ -74,11 +72,11 @@ def measure_range(
         disparities: smallest and largest to search, pixels.
         window: width and height of the windows, pixels.
         step: grid spacing, pixels.
-        agreement_px: by how much the disparity of a window twice as large may differ; None asks for no second opinion.
+        agreement_px: largest difference from the disparity of a window twice as large; None skips that measurement.
         rules: what makes a disparity valid.
 
     Raises:
-        ValueError: if no disparity is left to search, or no window fits.
+        ValueError: if there are fewer than three disparities to search, or no window fits.
     """
     low, high = disparities
     if high < low + 2:
@@ -126,7 +124,7 @@ def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Image)
         picture: uint8 (H, W), the left view.
 
     Returns:
-        uint8 (H, W + SCALE_WIDTH, 3) blue, green, red; where nothing valid was measured the picture shows.
+        uint8 (H, W + SCALE_WIDTH, 3) blue, green, red; without colour where no measurement is valid.
     """
     values = found.disparity if geometry is None else geometry.depth(found.disparity)
     out = np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR), np.uint8)

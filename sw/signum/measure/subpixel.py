@@ -1,10 +1,10 @@
 """Sub-pixel position of a correlation peak from its 3x3 scores.
 
-The peak of two clean sign planes is a cone (score falls linearly with distance), an elliptic one where the texture
-has a grain; pixels and noise round its tip, and much noise leaves a paraboloid. Measured on shifted photographs
-(gravel, grass, brick, moon, sigma 1 to 4, clean), half of the errors are below 0.04 px with 64x64 windows and 0.07
-px with 32x32; a sharp circular cone would give 0.07 and 0.10 px, the paraboloid 0.045 and 0.08 px. Below a peak
-match of 0.8 cone and paraboloid are within a few percent of one another.
+The peak of two clean sign planes is a cone (the score falls linearly with distance), which is elliptic where the
+texture is directional; pixels and noise round its tip, and strong noise turns it into a paraboloid. Measured on shifted
+photographs (gravel, grass, brick, moon, sigma 1 to 4, clean), half of the errors are below 0.04 px with 64x64 windows
+and 0.07 px with 32x32; a sharp circular cone would give 0.07 and 0.10 px, the paraboloid 0.045 and 0.08 px. Below a
+peak match of 0.8 cone and paraboloid are within a few percent of one another.
 """
 
 from __future__ import annotations
@@ -16,19 +16,20 @@ from numpy.typing import NDArray
 
 from signum.common.arrays import Floats
 
-Fit = Literal["auto", "cone", "parabola"]
+PeakFit = Literal["auto", "cone", "parabola"]
+"""The surface fitted to the scores around a peak; `auto` chooses by the peak's score, see CONE_FROM."""
 
 CONE_FROM = 0.8
-"""Peak match from which the tip counts as sharp: a signal-to-noise power of about 4 after the filter."""
+"""Peak score from which `auto` fits the cone: a signal-to-noise power of about 4 after the filter."""
 _Y, _X = (axis.reshape(9).astype(np.float64) for axis in np.mgrid[-1:2, -1:2])
 _QUADRATIC = np.linalg.pinv(np.stack([np.ones(9), _X, _Y, _X * _X, _X * _Y, _Y * _Y], axis=1))
 _MOST = 0.75
-"""Furthest a fit may move a peak: it lies within half a pixel of the best integer, give or take noise."""
+"""A fit moves a peak by at most this many pixels: half a pixel from the best integer, and room for noise."""
 _ROUND = 0.2
-"""Square of the radius of the cone's round tip, px^2: from 0.1 to 0.4 serves as well."""
+"""Square of the radius of the cone's round tip, px^2; anything from 0.1 to 0.4 is as accurate."""
 
 
-def peak_offsets(patches: NDArray[np.generic], area: Floats | float, fit: Fit = "auto") -> Floats:
+def peak_offsets(patches: NDArray[np.generic], area: Floats | float, fit: PeakFit = "auto") -> Floats:
     """Offsets (x, y) of the peaks from their centre pixels, pixels, within +-0.75.
 
     Args:

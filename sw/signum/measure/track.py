@@ -1,18 +1,18 @@
 """Feature tracking against the initial image.
 
 A feature is a window of the picture in which it was chosen. In every further frame it is measured from the frame
-before, which tells where to look, and from its anchors, which tell where it is. Its first anchor is its initial
-picture: as long as that one answers well, nothing can drift. When some features' anchors no longer do, the frame before
-becomes an anchor, for all features at once, with the positions the older anchors gave them there: one more link in the
-chain. The anchor that promises the smallest error wins, so the chain is as short as the pictures allow, and becomes
-shorter again when an old view returns.
+before, which gives a prediction, and from its anchors, which give its position. Its first anchor is its initial
+picture: as long as the feature is measured well from that one, its position cannot drift. When some features can no
+longer be measured from their anchors, the frame before becomes an anchor for all features at once, with the positions
+that the older anchors gave them there: one more link in the chain. The anchor with the smallest expected error is used,
+so the chain is as short as the pictures allow, and becomes shorter again when an old view returns.
 
-Every link's error is estimated from its peak: a part that is noise, and a part, due to perspective, that has the same
-direction in link after link. A position is called valid while 98 % of such positions are within the wanted precision;
-then the feature is flagged, and a new one, with an initial picture of its own, takes its place.
+Every link's error is estimated from its peak: a random part, and a part, due to perspective, that has the same
+direction in link after link. A position is valid while 98 % of such positions are within the wanted precision; after
+that the feature is flagged, and a new one, with an initial picture of its own, takes its place.
 
-The board's slots bound the number of anchor pictures; of too many, the one the fewest features live on goes. A feature
-not found is carried along by the motion of the others and looked for again.
+The board's slots bound the number of anchor pictures; if there are too many, the one that the fewest features are
+measured from is released. A feature that is not found is moved along with the others and searched for again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules,
 from signum.measure.predict import SearchPredictor
 
 PRECISE_PX = 1.8
-"""Of the original picture: 2 px, less what the reference it is compared with is off itself."""
+"""Error allowed in original pixels: 2 px, less the error of the reference that tracks are compared with."""
 
 
 @dataclass(frozen=True)
@@ -38,32 +38,34 @@ class TrackSettings:
 
     window: int = 64
     features: int = 30
-    """Features wanted in view; those that leave it or drift are replaced, several at a time."""
+    """Number of features wanted in view; those that leave it or drift are replaced, several at a time."""
     precise_px: float = PRECISE_PX
-    """Error within which 98 % of the valid positions shall lie: PRECISE_PX of the original's pixels."""
+    """Error that 98 % of the valid positions shall not exceed: PRECISE_PX, converted to pixels of the board."""
     healthy_score: float = 0.78
-    """Peak below which an anchor is too unlike the present picture to be of use."""
+    """Least score of a measurement from an anchor; below it the two pictures are too unlike."""
     agree_px: float = 1.0
-    """How far an anchor and the frame before may disagree about where a feature went, and a window and its inner
-    quarter."""
+    """Largest distance between a feature's positions by an anchor and by the frame before, and between the
+    displacements of a window and of its inner quarter."""
     neighbours_px: float = 2.0
-    """How far a feature's motion may lie from what all others' say it is at its place; relief adds `relief` of the
-    motion."""
+    """Largest difference between a feature's motion and the common motion at its place, on flat ground."""
     relief: float = 0.25
+    """Share of the common motion by which relief may add to that difference."""
     anchor_reach: int = 6
+    """Search range around the prediction in a measurement from an anchor."""
     widest_reach: int = 32
+    """Largest search range of all."""
     patience: int = 100
-    """Frames after which a flagged feature is given up."""
+    """Number of frames after which a flagged feature is dropped."""
     rules: Rules = field(default_factory=Rules)
 
 
 @dataclass(frozen=True)
 class TrackPoint:
-    """A feature in a frame: where it is, and how far that is from where it was first seen; pixels of the board's
+    """A feature in a frame: its position, and the displacement from where it was first seen; pixels of the board's
     picture.
 
-    `links` counts the measurements in a row behind the position: 1 while the initial image answers. `error_px` is the
-    distance from the truth that 98 % of such positions are within. Where not valid, `reason` says why.
+    `links` is the number of measurements chained up to the position: 1 while it is measured from its initial image.
+    `error_px` is the distance from the truth that 98 % of such positions are within. `reason` is why it is not valid.
     """
 
     feature: int
@@ -81,8 +83,7 @@ class TrackPoint:
 
 @dataclass(frozen=True)
 class _Fix:
-    """A position and what is known of its error: `noise` adds up in squares from link to link, `bias` linearly
-    (pixels)."""
+    """A position and its expected error, pixels: from link to link `noise` adds up in squares, `bias` linearly."""
 
     position: Floats
     noise: float = 0.0
@@ -99,15 +100,15 @@ class _Fix:
 
         Measured on real seabed (two surveys, gaps of 1 to 12 frames, sigma 2.5, 64x64 windows): the median error of the
         inner quarter grows linearly as the window's peak falls, from 0.2 px at 0.91 to 0.6 px at 0.7, as perspective
-        spreads the displacements in the window: the same peak at another sigma tells of a spread in proportion. About
-        half of the error repeats itself in the next link.
+        spreads the displacements in the window. At another sigma the same peak means a spread in proportion to sigma.
+        About half of the error repeats itself in the next link.
 
         Args:
             step: displacement, pixels.
             score: peak, matching fraction.
-            apart: how far window and inner quarter were apart, which tells of relief, pixels.
+            apart: distance between the displacements of window and inner quarter, due to relief, pixels.
             sigma: of the filter, pixels.
-            window: its side, pixels; smaller ones than 64 are noisier by the root of it.
+            window: its side, pixels; below 64 the error grows by the square root of 64 / window.
         """
         error = (0.15 + 0.84 * sigma * max(0.93 - score, 0.0)) * max(1.0, (64 / window) ** 0.5)
         return _Fix(self.position + step, float(np.hypot(self.noise, 0.7 * error)),
@@ -116,7 +117,7 @@ class _Fix:
 
 @dataclass(eq=False)
 class _Anchor:
-    """A picture kept for its features, and where each was in it, by number."""
+    """A picture kept to measure features from, and the fix of each feature in it, by number."""
 
     view: View
     fixes: dict[int, _Fix] = field(default_factory=dict)
@@ -133,15 +134,15 @@ class _Feature:
     found: bool = True
     """Whether its last position was measured."""
     flagged: int = 0
-    """Frames since it was last valid."""
+    """Number of frames since it was last valid."""
     anchor: _Anchor | None = None
-    """The one that gave the last position."""
+    """The anchor its last position was measured from."""
 
 
 @dataclass(frozen=True)
 class _Pin:
-    """A measurement of a window's centre, with the peak of the window; `apart` is what the window as a whole would say
-    differently, pixels."""
+    """The displacement of a window's centre with the peak of the whole window; `apart` is its distance from the
+    displacement of the whole window, pixels."""
 
     whole: Measurement
     apart: float = 0.0
@@ -154,7 +155,7 @@ class _Pin:
 
 @dataclass(frozen=True)
 class _Motion:
-    """How a feature moved since the last frame: measured, or carried along by the others. `whole` is the
+    """A feature's motion since the last frame, measured or, failing that, the common motion at its place. `pin` is the
     measurement."""
 
     step: Floats
@@ -163,7 +164,7 @@ class _Motion:
 
 
 class Tracker:
-    """Tracks windows through frames of one size, each taken in by `step`."""
+    """Tracks windows through frames of one size, which are given to `step` in order."""
 
     def __init__(self, measurer: Measurer, settings: TrackSettings | None = None) -> None:
         self._measurer = measurer
@@ -182,7 +183,7 @@ class Tracker:
             frame: uint8 (height, width) of the measurer's size.
 
         Returns:
-            One point for each feature not given up, in order of their numbers; new ones appear with displacement 0.
+            One point for each feature not dropped, in order of their numbers; new ones have displacement 0.
         """
         live = self._measurer.view(frame)
         points = [] if self._last is None else self._follow(self._last, live)
@@ -206,7 +207,7 @@ class Tracker:
         return points
 
     def _settle(self, f: _Feature, motion: _Motion, answer: tuple[Measurement, _Fix] | None) -> TrackPoint:
-        """Move a feature to its new position, and say how good that is."""
+        """Move a feature to its new position, and judge it."""
         before, found_before = f.fix.position, f.found
         if answer is None:
             f.fix = replace(f.fix, position=before + motion.step)
@@ -221,7 +222,7 @@ class Tracker:
         return _point(f, whole, reason)
 
     def _watched(self) -> list[_Feature]:
-        """Features worth measuring: those valid lately, and those whose initial picture may yet answer again."""
+        """Features to measure: those valid lately, and those whose initial picture is still kept."""
         kept = {id(a.view) for a in self._anchors}
         return [f for f in self._features if id(f.first) in kept or not f.flagged or (f.found and f.flagged < 3)]
 
@@ -255,8 +256,7 @@ class Tracker:
         return motions
 
     def _ask_anchors(self, live: View, motions: dict[int, _Motion]) -> dict[int, tuple[Measurement, _Fix]]:
-        """Per feature with an anchor that answers well: the answer and fix of the one that promises the smallest
-        error."""
+        """Per feature measured well from an anchor: the measurement and fix with the smallest expected error."""
         s = self._settings
         asked: list[tuple[_Anchor, _Feature, int]] = []
         queries = []
@@ -287,7 +287,7 @@ class Tracker:
         return best
 
     def _keep(self, last: View) -> _Anchor:
-        """Make the last frame an anchor of every feature found in it; an older anchor may have to go."""
+        """Make the last frame an anchor of every feature found in it; if need be, release an older anchor."""
         anchor = next((a for a in self._anchors if a.view is last), None)
         if anchor is None:
             if len(self._anchors) >= self._most_anchors:
@@ -302,12 +302,12 @@ class Tracker:
         return fix.linked(pin.step, pin.whole.score, pin.apart, self._measurer.sigma, self._settings.window)
 
     def _pinpoint(self, queries: Sequence[Query], rules: Rules) -> list[_Pin]:
-        """Measure windows, then the inner quarter of each one found, which counts as the displacement of its centre.
+        """Measure windows, then the inner quarter of each one found, whose displacement is taken as that of the centre.
 
-        A window as a whole follows the best-matching part of what it shows, which under perspective and relief is not
-        its centre; alone the inner quarter would be too small to be sure of.
+        A whole window follows the best-matching part of what it shows, which under perspective and relief is not its
+        centre; the inner quarter alone is too small for a reliable match.
         """
-        rules = replace(rules, texture=False)  # looked at once, when the feature was chosen
+        rules = replace(rules, texture=False)  # checked when the feature was chosen
         pins = [_Pin(m) for m in self._measurer.measure(queries, rules)]
         found = [i for i, p in enumerate(pins) if p.whole.valid]
         least = self._measurer.window_range[0]
@@ -324,7 +324,7 @@ class Tracker:
         return pins
 
     def _renew(self, live: View) -> list[TrackPoint]:
-        """Choose new features where the picture has room for them, when a good part of those wanted is missing."""
+        """Choose new features in the free parts of the picture, once three tenths of those wanted are missing."""
         s = self._settings
         width, height = self._measurer.size
         half = s.window // 2
@@ -360,8 +360,8 @@ def _point(f: _Feature, answer: Measurement, reason: str) -> TrackPoint:
 
 
 def _common_motion(places: Floats, steps: Floats, valid: NDArray[np.bool_], everywhere: Floats) -> Floats:
-    """What the valid steps at `places` say about the motion `everywhere`: an affine field through most of them, or
-    their median."""
+    """The common motion at `everywhere`, (n, 2), by the valid steps at `places`: an affine field that most of them fit,
+    else their median."""
     known = int(valid.sum())
     if known == 0:
         return np.zeros_like(everywhere)
@@ -373,7 +373,7 @@ def _common_motion(places: Floats, steps: Floats, valid: NDArray[np.bool_], ever
 
 
 def _grid(size: tuple[int, int], window: int, wanted: int) -> Floats:
-    """About `wanted` window centres, evenly over the picture, whole windows with a little air; (n, 2)."""
+    """About `wanted` centres (n, 2) of whole windows, evenly over the picture, 4 pixels or more from its border."""
     spans = [max(n - window - 8, 0) for n in size]
     pitch = max(window / 4, np.sqrt(max(spans[0], 1) * max(spans[1], 1) / max(wanted, 1)))
     axes = []

@@ -9,10 +9,10 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.report.page import Section
 
-OpenBoard = Callable[[], BoardBase]
+OpenBoard = Callable[[], Board]
 """Opens a new board of the kind the page is made on; use it in a `with`."""
 Progress = Callable[[str, int | None], AbstractContextManager[Callable[[str], None]]]
 """Makes a progress line: (what, total) -> a call for every step, with a word on how it went."""

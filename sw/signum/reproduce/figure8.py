@@ -70,11 +70,10 @@ def measure(board: Board, name: str, picture: Image, sigmas: Sequence[float] = S
         sigmas: pixels.
         seed: of the snow.
     """
-    board.set_image_size(picture.shape[1], picture.shape[0])
     degraded = degrade(picture, seed)
     rows = []
     for sigma in sigmas:
-        board.set_filter(sigma)
+        board.configure((picture.shape[1], picture.shape[0]), sigma)
         board.capture(0, picture)
         board.capture(1, degraded)
         rows.append(Agreement(name, sigma, *agreement(board.read_plane(0), board.read_plane(1))))

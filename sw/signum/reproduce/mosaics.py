@@ -18,7 +18,7 @@ from signum.applications.mosaic.links import SEQUENCE
 from signum.applications.mosaic.simulate import Flown, Plan
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.common.arrays import Image
 from signum.frames.frame import Frame
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
@@ -37,7 +37,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
         return [_column(board, out, seed, progress), _columns(board, out, seed, quick, progress)]
 
 
-def _column(board: BoardBase, out: Path, seed: int, progress: Progress) -> Section:
+def _column(board: Board, out: Path, seed: int, progress: Progress) -> Section:
     camera = Camera(gravel(), size=SIZE, focal=FOCAL, seed=seed)
     with progress("single column", None) as tell:
         with Column(registrar(board, SIZE, 64, 2.5), out / "manual") as manual:
@@ -83,7 +83,7 @@ def _off(camera: Camera, column: Column, taken: list[Pose]) -> float:
     return float(np.hypot(*(column.chain[-1].place(centre) - (last @ [*centre, 1])[:2])))
 
 
-def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Progress) -> Section:
+def _columns(board: Board, out: Path, seed: int, quick: bool, progress: Progress) -> Section:
     side = 3 if quick else 6
     plan = Plan(rows=side, columns=side, step=(0.6, 0.6), yaw_deg=2.0)
     flown = simulate.fly(plan, seed)

@@ -14,7 +14,7 @@ from signum.applications.navigate.draw import draw_path
 from signum.applications.navigate.localise import Localiser
 from signum.applications.navigate.simulate import PanTiltSite, Scene, Step, miss
 from signum.applications.navigate.truth import random_target
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
@@ -102,7 +102,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
                     bars)]
 
 
-def _maker(board: BoardBase) -> Callable[[tuple[int, int], float], Measurer]:
+def _maker(board: Board) -> Callable[[tuple[int, int], float], Measurer]:
     return lambda size, sigma: Measurer(board, size, sigma)
 
 

@@ -12,7 +12,7 @@ from matplotlib import pyplot as plt
 from signum.applications.mosaic.accuracy import judge, read_track
 from signum.applications.mosaic.simulate import Plan, fly
 from signum.applications.mosaic.survey import Survey
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
@@ -20,7 +20,7 @@ from signum.measure.register import Registrar
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
 from signum.reproduce.growth import METHODS, corner_errors, measure
-from signum.reproduce.projection import HEIGHTS, SIZE, View, compare
+from signum.reproduce.projection import HEIGHTS, SIZE, ProjectionResult, compare
 from signum.reproduce.reference import SHARED, read_pairs, residuals
 from signum.sources.open import open_source
 
@@ -39,7 +39,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
                 *_real(board, out, quick, progress)]
 
 
-def registrar(board: BoardBase, size: tuple[int, int], window: int, sigma: float) -> Registrar:
+def registrar(board: Board, size: tuple[int, int], window: int, sigma: float) -> Registrar:
     """A registrar on a board for frames of a size."""
     def measurer(seen: tuple[int, int], wide: float) -> Measurer:
         return Measurer(board, seen, wide)
@@ -47,7 +47,7 @@ def registrar(board: BoardBase, size: tuple[int, int], window: int, sigma: float
     return Registrar.on(measurer, Fit.to(size, board.config, window), window, sigma)
 
 
-def _growth(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Section:
+def _growth(board: Board, seed: int, quick: bool, progress: Progress) -> Section:
     sides = range(3, 5) if quick else SIDES
     seeds = 2 if quick else SEEDS
     plan = Plan(rows=max(sides), columns=max(sides))
@@ -110,7 +110,7 @@ def _curves(m: Floats, variance: dict[str, Floats], slope: dict[str, float]) -> 
     return plot(fig, "squared error of the far corner's place, mean over seeds, with fitted powers of m")
 
 
-def _projection(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Section:
+def _projection(board: Board, seed: int, quick: bool, progress: Progress) -> Section:
     pairs = 4 if quick else PAIRS
     with progress("projections", len(HEIGHTS) + 1) as tell:
         views = compare(registrar(board, SIZE, WINDOW, SIGMA), seed, pairs, tell)
@@ -131,7 +131,7 @@ def _projection(board: BoardBase, seed: int, quick: bool, progress: Progress) ->
                             "windows off the similarity, RMS px", "offset error, RMS px"), lines), bars)
 
 
-def _overlay(view: View) -> Image:
+def _overlay(view: ProjectionResult) -> Image:
     """The second frame cyan, the first red, brought onto it."""
     first, second = view.pair
     moved = np.asarray(cv2.warpAffine(first, view.found.matrix, first.shape[::-1]), np.uint8)
@@ -140,7 +140,7 @@ def _overlay(view: View) -> Image:
     return np.ascontiguousarray(both[top:] if top < both.shape[0] - 20 else both)
 
 
-def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[Section]:
+def _real(board: Board, out: Path, quick: bool, progress: Progress) -> list[Section]:
     runs = [run for run in (RUNS[:1] if quick else RUNS) if (SHARED / run).exists()]
     if not runs:
         return [Section("Real surveys", paragraph("Not on this machine: ../shared/data holds none of skerki, imos."))]
@@ -179,7 +179,7 @@ def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[
     return [Section("Real surveys", paragraph(text) + row(shown) + table(heads, lines), tuple(bars))]
 
 
-def survey_of(source: str, board: BoardBase, out: Path, tell: Callable[[str], None] = lambda _: None) -> Survey:
+def survey_of(source: str, board: Board, out: Path, tell: Callable[[str], None] = lambda _: None) -> Survey:
     """Make the mosaic of a source as the command does."""
     frames = open_source(source)
     survey: Survey | None = None

@@ -1,0 +1,1 @@
+"""Sources of frames: files, ROS bags, cameras and the simulated world."""

@@ -18,7 +18,7 @@ from signum.frames.frame import Frame, Source
 
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 DIRECT = {"mono8": 1, "8UC1": 1, "bgr8": 3, "8UC3": 3, "rgb8": 3, "bgra8": 4, "rgba8": 4}
-"""Encodings that are pixels as they are, and their channels."""
+"""Encodings of plain pixels, and their number of channels."""
 CONVERT = {
     "rgb8": cv2.COLOR_RGB2BGR, "bgra8": cv2.COLOR_BGRA2BGR, "rgba8": cv2.COLOR_RGBA2BGR,
     # OpenCV names a Bayer pattern by its second row, ROS by its first.
@@ -31,10 +31,10 @@ class BagSource(Source):
 
     Args:
         path: .bag, .mcap, .db3 or the folder of a ROS 2 bag.
-        topic: which; may be left out where there is only one.
+        topic: its name; None if the bag has only one image topic.
 
     Raises:
-        SourceError: if it is no bag, has no image topic, or it is not clear which one is meant.
+        SourceError: if it is no bag, has no such image topic, or has several and none is named.
     """
 
     def __init__(self, path: Path, topic: str | None = None) -> None:
@@ -66,7 +66,7 @@ class BagSource(Source):
                     message: Any = reader.deserialize(data, connection.msgtype)
                 except StopIteration:
                     return
-                except Exception as error:  # whatever a damaged bag provokes in its reader
+                except Exception as error:  # a damaged bag makes its reader raise errors of any type
                     raise SourceError(f"{self.label}: broken at frame {index} ({error}); what came before is kept; "
                                       "mend it with `rosbag reindex` or `ros2 bag reindex`") from error
                 label = f"{self.label}: frame {index}"
@@ -80,7 +80,7 @@ def _opened(path: Path) -> Iterator[AnyReader]:
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))
         reader.open()
-    except Exception as error:  # a damaged bag provokes anything, from struct.error to sqlite's own
+    except Exception as error:  # of any type, from struct.error to those of sqlite
         raise SourceError(f"{path}: not a ROS bag that can be read ({error}); copy it again, or mend it with "
                           "`rosbag reindex`, `ros2 bag reindex` or `mcap recover`") from error
     try:

@@ -1,4 +1,4 @@
-"""Frames from files, a camera, or an array in memory."""
+"""Frames from pictures, videos, a camera or an array in memory, with the lens distortion taken out if need be."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
-from signum.frames.frame import Frame, Source, _by, read_picture
+from signum.frames.frame import Frame, Source, read_picture, size_text
 from signum.geometry.calibration import CalibrationError, read_mono
 
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"})
-
+"""A file with one of these endings is a picture."""
 
 
 class FolderSource(Source):
@@ -40,7 +40,6 @@ class FolderSource(Source):
         return (Frame(f.stem, read_picture(f)) for f in self.files)
 
 
-
 class PictureSource(Source):
     """A single picture."""
 
@@ -54,9 +53,8 @@ class PictureSource(Source):
         yield Frame(self.file.stem, read_picture(self.file))
 
 
-
 class VideoSource(Source):
-    """A video file, as far as OpenCV's decoders go."""
+    """A video file of any kind that OpenCV decodes."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -84,15 +82,14 @@ class VideoSource(Source):
                 done += 1
         finally:
             capture.release()
-        # A container's count may be off by a few frames; a tenth missing is a file cut short.
+        # A container's count may be off by a few frames; if a tenth is missing, the file was cut short.
         if self.count is not None and 0 < done < 0.9 * self.count - 1:
             raise SourceError(f"{self.file}: broken after frame {done - 1} of {self.count}; what came before is kept; "
                               f"mend the file with `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
 
 
-
 class CameraSource(Source):
-    """A live camera by its OpenCV index; ends when stopped or when the camera does."""
+    """A live camera by its OpenCV index, until the camera delivers no more frames."""
 
     def __init__(self, index: int) -> None:
         super().__init__(f"camera {index}", None)
@@ -101,7 +98,7 @@ class CameraSource(Source):
     def _frames(self) -> Iterator[Frame]:
         capture = cv2.VideoCapture(self.index)
         if not capture.isOpened():
-            raise SourceError(f"{self.label}: cannot be opened; see which there are with `ls /dev/video*`")
+            raise SourceError(f"{self.label}: cannot be opened; list the cameras with `ls /dev/video*`")
         try:
             done = 0
             while True:
@@ -112,7 +109,6 @@ class CameraSource(Source):
                 done += 1
         finally:
             capture.release()
-
 
 
 class ArraySource(Source):
@@ -143,7 +139,6 @@ class ArraySource(Source):
             yield Frame(str(index), np.ascontiguousarray(self.pictures[index]))
 
 
-
 class UndistortedSource(Source):
     """Frames of another source as a camera without lens distortion, of the same size and focal length, sees them."""
 
@@ -157,10 +152,9 @@ class UndistortedSource(Source):
                                            cv2.CV_32FC1)
         for frame in self.source:
             if frame.size != self._size:
-                raise CalibrationError(f"{self.calibration}: is for {_by(self._size)}, frame {frame.name} is "
-                                       f"{_by(frame.size)}: use the calibration of this camera at this size")
+                raise CalibrationError(f"{self.calibration}: is for {size_text(self._size)}, frame {frame.name} is "
+                                       f"{size_text(frame.size)}: use the calibration of this camera at this size")
             yield Frame(frame.name, np.asarray(cv2.remap(frame.picture, *maps, cv2.INTER_LINEAR), np.uint8))
-
 
 
 def _natural(name: str) -> list[tuple[int, int, str]]:

@@ -1,18 +1,9 @@
-"""Where frames come from: a folder of pictures, one picture, a video, a ROS bag, a camera, an array in memory, the
-simulated world; lens distortion is taken out where a calibration is at hand.
-
-A frame's name is its file's name without the ending for pictures, the index from 0 for everything else; it is what
-the tables call `frame`. All frames of a source have one size. A frame that cannot be used raises SourceError when its
-turn comes, so that what was finished before can be kept.
-"""
+"""Opens the source a user names: pictures, a video, a ROS bag, a camera, an array file or the simulated world."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
-
-import cv2
-from PIL import Image as PilImage
 
 from signum.common.errors import SourceError
 from signum.frames.frame import Source
@@ -26,27 +17,24 @@ from signum.sources.files import (
     VideoSource,
 )
 
-VIDEOS = frozenset({".mp4", ".avi", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".webm", ".ts", ".wmv"})
 BAGS = frozenset({".bag", ".mcap", ".db3"})
+"""A file with one of these endings is a ROS bag."""
 CAMERA = re.compile(r"(?:camera:)?(\d{1,2})$")
 WORLD = re.compile(r"world(?::|$)")
 
-# OpenCV's own chatter about odd TIFF tags would bury our one line.
-PilImage.MAX_IMAGE_PIXELS = None
-cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
-
 
 def open_source(text: str | Path, calibration: Path | None = None) -> Source:
-    """The source a user names: a folder, a picture, a video, a .npy array, a ROS bag (`dive.bag`, `dive.mcap`, a bag's
-    folder, with `#topic` behind it if it has several), `world` (simulated) or a camera's number (`0` or `camera:0`).
+    """Open a source by its name.
 
     Args:
-        text: the name.
-        calibration: OpenCV YAML of the camera, whose distortion is taken out; None for none.
+        text: a folder, a picture, a video, a .npy array, a ROS bag (`dive.bag`, `dive.mcap` or a bag's folder, followed
+            by `#topic` if it has several), a camera (`0` or `camera:0`) or the simulated world (`world` or
+            `world:name=value,...`).
+        calibration: OpenCV YAML of the camera, whose distortion is taken out of every frame; None for none.
 
     Raises:
-        SourceError: if there is no such thing, or it is plainly unusable.
-        CalibrationError: if the calibration is.
+        SourceError: if there is no such source, or none of it can be used. A bad frame raises when its turn comes.
+        CalibrationError: if the calibration cannot be used.
     """
     source = _open(text)
     return source if calibration is None else UndistortedSource(source, calibration)
@@ -55,11 +43,11 @@ def open_source(text: str | Path, calibration: Path | None = None) -> Source:
 def _open(text: str | Path) -> Source:
     file, _, topic = str(text).partition("#")
     if _is_bag(Path(file)):
-        from signum.sources.bags import BagSource  # imports this module, and takes a while itself
+        from signum.sources.bags import BagSource  # loads slowly
 
         return BagSource(Path(file), topic or None)
     if WORLD.match(str(text)) and not Path(text).exists():
-        from signum.sources.simulated import WorldSource  # imports this module
+        from signum.sources.simulated import WorldSource  # loads slowly
 
         return WorldSource.named(str(text))
     path = Path(text)
@@ -69,7 +57,7 @@ def _open(text: str | Path) -> Source:
         camera = CAMERA.match(str(text))
         if camera:
             return CameraSource(int(camera[1]))
-        raise SourceError(f"{path}: no such file or folder; check the spelling (here is {Path.cwd()})")
+        raise SourceError(f"{path}: no such file or folder; check the spelling (in {Path.cwd()})")
     if not path.stat().st_size:
         raise SourceError(f"{path}: the file is empty; copy or record it again")
     kind = path.suffix.lower()
@@ -83,5 +71,3 @@ def _open(text: str | Path) -> Source:
 def _is_bag(path: Path) -> bool:
     """Whether a path is a ROS bag: by its ending, or a ROS 2 bag's folder."""
     return (path.is_file() and path.suffix.lower() in BAGS) or (path / "metadata.yaml").is_file()
-
-

@@ -17,18 +17,23 @@ from signum.world.world import World
 
 WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
 FOCAL = 400.0
+"""Focal length of the camera, pixels."""
 
 
 @dataclass(frozen=True)
-class Survey:
-    """What is flown; every attribute may be set in a source's name, `world:frames=200,water=paper`.
+class SurveyPlan:
+    """The survey to fly; each attribute can be set in a source's name, `world:frames=200,water=paper`.
 
     Attributes:
-        frames: their number; rate: a second.
-        speed: m/s along the columns; columns: their length in metres; spacing: between them, metres.
-        height: over the mean floor, metres.
+        frames: number of frames.
+        rate: frames a second.
+        speed: along the path, m/s.
+        columns: length of the columns, metres.
+        spacing: distance between columns, metres.
+        height: of the camera over the mean floor, metres.
         relief: standard deviation of the floor's height, metres.
-        water: one of WATERS; photo: what the floor is covered with.
+        water: one of WATERS.
+        photo: the photograph that covers the floor, one of PHOTOS.
         seed: of floor, water and noise.
     """
 
@@ -44,7 +49,7 @@ class Survey:
     seed: int = 0
 
     def place(self, time: float) -> tuple[float, float]:
-        """North and east, metres, from the survey's first corner, at `time` seconds; the corners are flown aside."""
+        """North and east, metres, from the first corner, at `time` seconds; between columns the path leads sideways."""
         turn = self.columns + self.spacing
         column, along = divmod(self.speed * time, turn)
         north, east = min(along, self.columns), column * self.spacing + max(along - self.columns, 0.0)
@@ -52,9 +57,9 @@ class Survey:
 
 
 class WorldSource(Source):
-    """Frames of a `Survey`, grey, 384x288."""
+    """Frames of a `SurveyPlan`, grey, 384x288."""
 
-    def __init__(self, survey: Survey, label: str = "world") -> None:
+    def __init__(self, survey: SurveyPlan, label: str = "world") -> None:
         super().__init__(label, survey.frames)
         self.survey = survey
 
@@ -66,7 +71,7 @@ class WorldSource(Source):
             SourceError: for a name or value that is not known.
         """
         kinds: dict[str, Callable[[str], object]] = {
-            f.name: type(getattr(Survey, f.name)) for f in fields(Survey)}
+            f.name: type(getattr(SurveyPlan, f.name)) for f in fields(SurveyPlan)}
         values: dict[str, object] = {}
         for part in filter(None, text.partition(":")[2].split(",")):
             name, _, value = part.partition("=")
@@ -74,8 +79,8 @@ class WorldSource(Source):
                 values[name] = kinds[name](value)
             except (KeyError, ValueError) as error:
                 raise SourceError(f"{text}: {part!r} is none of " + ", ".join(
-                    f"{n}={f.default}" for n, f in zip(kinds, fields(Survey), strict=True))) from error
-        survey = Survey(**values)  # type: ignore[arg-type]
+                    f"{n}={f.default}" for n, f in zip(kinds, fields(SurveyPlan), strict=True))) from error
+        survey = SurveyPlan(**values)  # type: ignore[arg-type]
         if survey.water not in WATERS or survey.photo not in PHOTOS:
             raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo of {', '.join(PHOTOS)}")
         if survey.frames < 1 or min(survey.rate, survey.speed, survey.columns, survey.spacing, survey.height) <= 0:

@@ -1,0 +1,1 @@
+"""CSV tables: the writer, and the columns of every table."""

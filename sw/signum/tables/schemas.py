@@ -1,39 +1,48 @@
-"""The columns of every table, with their units."""
+"""The columns of every table, and what they mean.
+
+`frame` is the frame's name as its source gives it. A column that ends in _px is in original pixels, in _m in metres, in
+_deg in degrees, in _s in seconds. A score is a matching fraction (0..1, chance 0.5), a margin its difference from the
+second-best match. Flags are 0 or 1.
+"""
 
 from __future__ import annotations
 
 TRACK = "frame", "feature", "x_px", "y_px", "dx_px", "dy_px", "score", "margin", "valid"
-"""Of `track.csv`, original pixels: (x, y) is where the feature is, (dx, dy) how far from where it was first seen."""
-
-
+"""`track.csv`: a feature is at (x, y), which is (dx, dy) from where it was first seen."""
 DRIFT = "frame", "valid", "direct", "links", "error_px"
-"""Of `drift.csv`: valid features of a frame, how many of them rest on one measurement against their initial image, the
-longest chain of measurements behind one, and the distance in original pixels that 98 % of its positions are within by
-the tracker's estimate, for the worst of them; the last two are empty where none is valid."""
-
-
+"""`drift.csv`: number of valid features of a frame; how many of them rest on one measurement against their initial
+image; the longest chain of measurements behind one; and the distance that 98 % of such positions are within by the
+tracker's estimate, for the worst of them. The last two are empty if no feature is valid."""
 FLOW = "frame_a", "frame_b", "x_px", "y_px", "dx_px", "dy_px", "score", "valid"
-"""Of `flow.csv`, original pixels: the window at (x, y) of frame a lies (dx, dy) further on in frame b; empty where not
-valid."""
-
-
+"""`flow.csv`: displacement (dx, dy) in frame b of the window at (x, y) of frame a, empty where not valid."""
 DISPARITY = "frame", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
-"""Of `disparity.csv`, original pixels of the rectified left picture; empty where not valid or not known."""
-
-
+"""`disparity.csv`: disparity and range at (x, y) of the rectified left frame; empty where not valid or not known."""
+HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
+"""`hold.csv`: x ahead and y to the right of the station, rotation clockwise seen from above, zoom and range of the
+paper's equations 6 and 7, empty where confidence is 0; windows that agree, and that were tried."""
+HOLD_TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
+"""`hold.csv` of a simulated hold: the truth, after the columns of HOLD."""
+FOLLOW = "frame", "time_s", "state", "x_px", "y_px", "width_px", "height_px", "windows", "range_m"
+"""`follow.csv`: the place of the fish, empty when it is lost; extent of its blob, number of the blob's windows, and its
+range, empty where not measured."""
+FOLLOW_TRUTH = "true_x_px", "true_y_px", "true_range_m", "pan_deg", "tilt_deg"
+"""`follow.csv` of a simulated chase: the truth, after the columns of FOLLOW."""
 NAVIGATE = "frame", "x_px", "y_px", "rot_deg", "scale", "score", "confidence"
-"""Of `navigate.csv`: the frame's centre, rotation and zoom in mosaic.png, its pixels; empty and confidence 0 where it
-was not found."""
-
-
+"""`navigate.csv`: the frame's centre, rotation and scale in mosaic.png, in pixels of mosaic.png; empty, with confidence
+0, where the frame was not found."""
 GOTO = "frame", "right_px", "down_px", "sharp"
-"""Of `goto.csv`: the way from the middle of the frame to the target, original pixels, empty where not known; 1 where it
-was measured about the target itself."""
-
-
+"""`goto.csv`: displacement of the target from the middle of the frame, empty where not known; whether it was measured
+at the target itself."""
+PLACES = "name", "x_px", "y_px"
+"""`places.csv`, an optional table beside a mosaic: named places, in pixels of mosaic.png."""
 EDGES = "frame_a", "frame_b", "dx_px", "dy_px", "score", "margin", "accepted"
-"""Of `edges.csv`: where a's centre lands in b, minus b's centre, original pixels."""
-
-
+"""`edges.csv`: displacement of a's centre in b from b's centre."""
 POSES = "frame", "x_px", "y_px", "rot_deg", "scale"
-"""Of `poses.csv`: the frame's centre in the mosaic plane, which is the pixel plane of the first frame."""
+"""`poses.csv`: the frame's centre, rotation and scale in the mosaic plane, the pixel plane of the first frame."""
+ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
+"""`accuracy.csv`: statistics of a mosaic's errors, over frames (APE) or pairs of consecutive frames (RPE)."""
+SCENE_TRUTH = "north_m", "east_m", "altitude_m", "roll_deg", "pitch_deg", "heading_deg"
+"""`truth.csv` of a simulated scene, after frame and time_s: pose of the camera; altitude is the median depth of what it
+sees."""
+BARS = "section", "figure", "measured", "relation", "bound", "met"
+"""`bars.csv` of the reproduction: each measured figure, the bound it is held to, and whether it meets it."""

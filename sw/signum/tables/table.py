@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 class Table:
-    """A CSV file that is good after every row."""
+    """A CSV file of whole rows: after each `write` it is complete on disk, so a run that is stopped keeps its rows."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self._file = path.open("w", newline="", encoding="utf-8")
@@ -16,7 +16,7 @@ class Table:
         self.write(columns)
 
     def write(self, row: Sequence[object]) -> None:
-        """Append a row and push it to the disk."""
+        """Append a row and flush the file."""
         self._rows.writerow(row)
         self._file.flush()
 

@@ -1,4 +1,4 @@
-"""The golden board behind the Board interface: calls, refusals and books."""
+"""The Board interface on the golden board: calls, refused calls, counters."""
 
 from dataclasses import replace
 
@@ -8,8 +8,8 @@ import pytest
 from golden import correlate, log
 from golden.correlate import Job, Status
 from golden.params import FULL, TINY
-from signum.boards.board import Board, BoardError, run_jobs
-from signum.boards.golden import GoldenBoard, job_clocks
+from signum.boards.board import BoardError, Identification, run_jobs
+from signum.boards.golden import REGISTER_VERSION, GoldenBoard, job_clocks
 
 
 @pytest.fixture
@@ -18,18 +18,13 @@ def board() -> GoldenBoard:
     rng = np.random.default_rng(5)
     scene = rng.integers(0, 256, (50, 60), dtype=np.uint8)
     made = GoldenBoard(TINY)
-    made.set_image_size(48, 36)
-    made.set_filter(1.5)
+    made.configure((48, 36), 1.5)
     made.capture(0, scene[10:46, 10:58])
     made.capture(1, scene[8:44, 7:55])
     return made
 
 
 JOB = Job(0, 16, 12, 12, 12, 1, 12, 8, 9, 9, tag=7)
-
-
-def test_is_a_board(board: GoldenBoard) -> None:
-    assert isinstance(board, Board)
 
 
 def test_finds_the_shift_and_reads_planes(board: GoldenBoard) -> None:
@@ -76,7 +71,8 @@ def test_bad_calls(board: GoldenBoard) -> None:
     frame = np.zeros((36, 48), np.uint8)
     for call in (lambda: board.capture(6, frame), lambda: board.capture(0, frame[:-1]),
                  lambda: board.capture(0, frame, camera=2), lambda: board.capture_pair((1, 1), (frame, frame)),
-                 lambda: board.set_filter(0.5), lambda: board.set_image_size(49, 36), lambda: board.collect(1),
+                 lambda: board.configure((48, 36), 0.5), lambda: board.configure((49, 36), 1.5),
+                 lambda: board.collect(1),
                  lambda: board.read_plane(5), lambda: board.submit([replace(JOB, surface=True)]),
                  lambda: GoldenBoard(TINY).capture(0, frame)):
         with pytest.raises(BoardError):
@@ -84,9 +80,47 @@ def test_bad_calls(board: GoldenBoard) -> None:
 
 
 def test_another_size_empties_the_slots(board: GoldenBoard) -> None:
-    board.set_image_size(40, 36)
+    board.configure((40, 36), 1.5)
     with pytest.raises(BoardError, match="another image size"):
         board.submit([JOB])
     board.capture_pair((0, 1), (np.zeros((36, 40), np.uint8), np.zeros((36, 40), np.uint8)))
     assert run_jobs(board, [JOB])[0].score == 144
     assert board.counters()["frames_1"] == 1
+
+
+def test_slots_of_another_size_stay_unusable_when_the_size_comes_back(board: GoldenBoard) -> None:
+    board.configure((40, 36), 1.5)
+    board.configure((48, 36), 1.5)
+    with pytest.raises(BoardError, match="holds no frame"):
+        board.read_plane(0)
+    with pytest.raises(BoardError, match="another image size"):
+        board.submit([JOB])
+
+
+def test_another_sigma_leaves_the_slots(board: GoldenBoard) -> None:
+    plane = board.read_plane(0)
+    board.configure((48, 36), 2.5)
+    assert board.sigma == 2.5 and np.array_equal(board.read_plane(0), plane)
+
+
+@pytest.mark.parametrize(("size", "sigma", "says"), [
+    ((40, 36), 0.5, "sigma 0.5"), ((49, 36), 2.0, "image size 49x36"), ((40, 36), 4.5, "sigma 4.5")])
+def test_a_refused_configuration_changes_nothing(board: GoldenBoard, size: tuple[int, int], sigma: float, says: str,
+                                                 ) -> None:
+    plane = board.read_plane(0)
+    with pytest.raises(BoardError, match=says):
+        board.configure(size, sigma)
+    assert (board.image_size, board.sigma, board.configurations) == ((48, 36), 1.5, 1)
+    assert np.array_equal(board.read_plane(0), plane)
+
+
+def test_the_size_does_not_change_under_outstanding_results(board: GoldenBoard) -> None:
+    board.submit([JOB])
+    board.configure((48, 36), 2.5)
+    with pytest.raises(BoardError, match="outstanding"):
+        board.configure((40, 36), 2.5)
+    assert board.collect(1)[0].status is Status.OK
+
+
+def test_identification_is_that_of_the_build(board: GoldenBoard) -> None:
+    assert board.identification == Identification("golden", "tiny", REGISTER_VERSION, 2, TINY.slots, (48, 36), 16)

@@ -12,7 +12,7 @@ import skimage.data
 from golden import correlate
 from golden.correlate import Job
 from golden.params import FULL, TINY, Config
-from signum.boards.board import BoardBase, BoardError, run_jobs
+from signum.boards.board import Board, BoardError, run_jobs
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
 from signum.common.arrays import Image
@@ -64,11 +64,16 @@ def _jobs(config: Config, size: tuple[int, int], count: int, seed: int) -> list[
     return jobs
 
 
-def _prepare(board: BoardBase, size: tuple[int, int], sigma: float, frames: list[Image]) -> None:
-    board.set_image_size(*size)
-    board.set_filter(sigma)
+def _prepare(board: Board, size: tuple[int, int], sigma: float, frames: list[Image]) -> None:
+    board.configure(size, sigma)
     board.capture(0, frames[0])
     board.capture_pair((1, 2), (frames[1], frames[2]))
+
+
+def test_identification(boards: Pair) -> None:
+    """What the registers hold is what the configuration says."""
+    golden, verilated = (board.identification for board in boards)
+    assert golden.board == "golden" and verilated == replace(golden, board="verilated")
 
 
 def test_planes_results_and_surfaces(boards: Pair) -> None:
@@ -118,7 +123,7 @@ def test_errors_are_the_same(boards: Pair) -> None:
             board.surface(Job(0, size[0] - 4, 0, 8, 8, 1, 0, 0, 3, 3))
         with pytest.raises(BoardError) as missing:
             board.read_plane(4)
-        board.set_image_size(size[0] - 2, size[1])
+        board.configure((size[0] - 2, size[1]), 1.5)
         with pytest.raises(BoardError) as stale:
             run_jobs(board, [Job(0, 0, 0, 8, 8, 1, 0, 0, 3, 3)])
         messages.append([str(e.value) for e in (refused, missing, stale)])

@@ -18,7 +18,7 @@ from signum.applications.follow.record import FOLLOW
 from signum.applications.follow.simulate import Chase, follow
 from signum.applications.hold.record import HOLD
 from signum.applications.hold.simulate import Scenario, hold
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
 from signum.commands import follow as follow_command
@@ -190,7 +190,7 @@ def test_closed_loops_are_alike_on_both_boards(what: str) -> None:
     assert flown[0] == flown[1]
 
 
-def _fly(board: BoardBase, what: str) -> list[object]:
+def _fly(board: Board, what: str) -> list[object]:
     def measurer(size: tuple[int, int]) -> Measurer:
         return Measurer(board, size, 2.0)
 

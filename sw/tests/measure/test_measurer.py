@@ -1,18 +1,15 @@
 """Measurements on the golden board: accuracy, and that each check refuses what it is there for."""
 
-from typing import Literal
-
 import cv2
 import numpy as np
 import pytest
 import skimage.data
 
 from golden.params import FULL
+from signum.boards.board import BoardError
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
 from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
-from signum.measure.predict import SearchPredictor
-from signum.measure.subpixel import line_offset, peak_offsets
 from signum.world.degrade import degrade
 
 SIZE = 400, 320
@@ -125,6 +122,39 @@ def test_views_are_bounded_and_released() -> None:
             m.release(views[2])
 
 
+@pytest.mark.parametrize("size", [SIZE, (320, 240)], ids=["alike", "of another size"])
+def test_a_measurer_whose_board_was_taken_over_raises(size: tuple[int, int]) -> None:
+    """Even a measurer just alike takes over the slots: the earlier one's views are no longer what they were."""
+    frame = _shifted(_photo(), 0, 0)
+    with GoldenBoard() as board:
+        early = Measurer(board, SIZE, 2.5)
+        views = early.pair(frame, frame)
+        late = Measurer(board, size, 2.5)
+        for call in (lambda: early.view(frame), lambda: early.pair(frame, frame), lambda: early.signs(views[0]),
+                     lambda: early.measure([Query(*views, 200, 160, 64, 64)]), lambda: early.measure([]),
+                     lambda: early.likeness(views[0], [(200, 160, 64, 64)])):
+            with pytest.raises(BoardError, match="another Measurer"):
+                call()
+        early.release(views[0])  # clean-up never fails
+        with pytest.raises(ValueError, match="another Measurer"):
+            late.measure([Query(*views, 100, 100, 64, 64)])
+        assert late.signs(late.view(frame[:size[1], :size[0]])).shape == size[::-1]
+        board.configure(size, 2.5)
+        with pytest.raises(BoardError, match="another Measurer"):
+            late.view(frame[:size[1], :size[0]])
+
+
+def test_measurers_of_two_boards_do_not_mind_each_other() -> None:
+    frame = _shifted(_photo(), 0, 0)
+    with GoldenBoard() as board, GoldenBoard() as other:
+        one, two = Measurer(board, SIZE), Measurer(other, SIZE)
+        view = one.view(frame)
+        two.view(frame)
+        assert one.measure([Query(view, view, 200, 160, 64, 64)])[0].valid
+        with pytest.raises(ValueError, match="another Measurer"):
+            two.signs(view)
+
+
 def test_lines_for_one_dimensional_searches() -> None:
     with GoldenBoard() as board:
         m = Measurer(board, SIZE, 1.5)
@@ -136,54 +166,12 @@ def test_lines_for_one_dimensional_searches() -> None:
     assert all(f.dy_px == 0 for f in good)
 
 
-@pytest.mark.parametrize("fit", ["cone", "parabola"])
-def test_fits_find_their_own_shape(fit: Literal["cone", "parabola"]) -> None:
-    rng = np.random.default_rng(1)
-    tips = rng.uniform(-0.5, 0.5, (200, 2))
-    (a, b), c = rng.uniform(0.03, 0.12, (2, 200, 1, 1)), rng.uniform(-0.04, 0.04, (200, 1, 1))
-    y, x = np.mgrid[-1:2, -1:2]
-    x, y = x - tips[:, :1, None], y - tips[:, 1:, None]
-    squared = (a * x + c * y) ** 2 + (b * y) ** 2
-    fall = np.sqrt(squared + 0.1 * (a**2 + b**2)) if fit == "cone" else squared
-    found = peak_offsets(4000 - 4096 * fall, 4096.0, fit)
-    assert np.abs(found - tips).max() < (0.01 if fit == "cone" else 1e-9)
-    assert line_offset(0.8, 0.9, 0.8, fit) == 0 and line_offset(0.5, 0.5, 0.5, fit) == 0
-
-
-def test_a_sharp_round_cone_is_found_by_the_blunt_one() -> None:
-    tips = np.random.default_rng(2).uniform(-0.5, 0.5, (200, 2))
-    y, x = np.mgrid[-1:2, -1:2]
-    sharp = 4000 - 300 * np.hypot(x - tips[:, :1, None], y - tips[:, 1:, None])
-    assert np.abs(peak_offsets(sharp, 4096.0, "cone") - tips).max() < 0.04
-
-
-def test_a_patch_without_a_peak_keeps_its_integer_place() -> None:
-    flat, edge = np.full((3, 3), 3000), np.tile([2000, 3000, 2000], (3, 1))
-    found = peak_offsets(np.stack([flat, edge]), 4096.0, "cone")
-    assert np.abs(found).max() < 1e-6
-
-
 def test_white_match_is_the_theory() -> None:
     """Signs of filtered white noise against the closed form."""
     noise = np.random.default_rng(0).integers(0, 256, (480, 640), dtype=np.uint8)
     with GoldenBoard() as board:
-        board.set_image_size(640, 480)
-        board.set_filter(2.5)
+        board.configure((640, 480), 2.5)
         board.capture(0, noise)
         plane = board.read_plane(0)
     for d in (1, 2, 3, 5):
         assert (plane[:, d:] == plane[:, :-d]).mean() == pytest.approx(white_match(d, 2.5), abs=0.01)
-
-
-def test_predictor() -> None:
-    p = SearchPredictor(floor=6, widest=32)
-    assert p.reach == 32
-    p.learn(np.zeros(10), 10)
-    assert p.reach == 16
-    p.learn(np.zeros(10), 10)
-    p.learn(np.zeros(10), 10)
-    assert p.reach == 6
-    p.learn(np.full(10, 2.0), 10)
-    assert p.reach == 12
-    p.learn(np.zeros(4), 10)
-    assert p.reach == 32

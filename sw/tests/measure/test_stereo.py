@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from signum.boards.golden import GoldenBoard
-from signum.geometry.calibration import CalibrationError, StereoGeometry, read_stereo
+from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
 from signum.measure.stereo import RangeMap, measure_range, write_ply
@@ -74,31 +74,3 @@ def test_points_lie_on_the_plane(tmp_path: Path) -> None:
     write_ply(tmp_path / "floor.ply", points)
     lines = (tmp_path / "floor.ply").read_text().splitlines()
     assert f"element vertex {len(points)}" in lines and len(lines) == 7 + len(points)
-
-
-def test_calibration_rectifies(tmp_path: Path) -> None:
-    path = tmp_path / "rig.yaml"
-    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    storage.write("image_width", 384)
-    storage.write("image_height", 288)
-    k = np.array([[400.0, 0, 191.5], [0, 400.0, 143.5], [0, 0, 1]])
-    turn = cv2.Rodrigues(np.array([0.01, -0.02, 0.015]))[0]
-    for name, value in (("K1", k), ("K2", k), ("D1", np.zeros(5)), ("D2", np.zeros(5)), ("R", turn),
-                        ("T", -turn @ np.array([[BASELINE], [0], [0]]))):
-        storage.write(name, value)
-    storage.release()
-    rectifier = read_stereo(path)
-    assert rectifier.geometry.baseline == pytest.approx(BASELINE, abs=1e-3)
-    world = World(Seafloor(extent=4.0, texel=0.0025))
-    left = Sight(np.array([0, 0, -2.0]), LOOK_DOWN)
-    right = Sight(left.position + left.rotation[:, 0] * BASELINE, left.rotation @ turn.T)
-    frames = rectifier(*(world.look(CAMERA, s).frame for s in (left, right)))
-    measurer = Measurer(GoldenBoard(), CAMERA.size, 1.0)
-    points = measure_range(measurer, *measurer.pair(*frames), (4, 48), (32, 32)).points(rectifier.geometry)
-    assert len(points) > 100
-    flat = np.linalg.lstsq(np.c_[points[:, :2], np.ones(len(points))], points[:, 2], rcond=None)
-    assert np.sqrt(flat[1][0] / len(points)) < 0.01
-    with pytest.raises(CalibrationError, match="is for 384x288"):
-        rectifier(frames[0][:100], frames[1][:100])
-    with pytest.raises(CalibrationError, match="no such calibration"):
-        read_stereo(tmp_path / "none.yaml")

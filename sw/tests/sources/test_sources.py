@@ -6,10 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from golden.params import FULL
 from signum.common.errors import SourceError
-from signum.frames.fit import Fit
-from signum.frames.frame import read_picture
 from signum.sources.files import ArraySource, CameraSource, FolderSource, VideoSource
 from signum.sources.open import open_source
 
@@ -33,15 +30,6 @@ def test_folder_in_natural_order_named_by_stem(tmp_path: Path) -> None:
     source = open_source(tmp_path)
     assert isinstance(source, FolderSource) and source.snapshots and source.count == 3
     assert [f.name for f in source] == ["1", "9", "10"]
-
-
-def test_colour_transparency_and_grey(tmp_path: Path) -> None:
-    colour = np.dstack([_picture(seed=s) for s in range(3)])
-    for name, picture, shape in (("c", colour, (48, 64, 3)), ("g", _picture(), (48, 64)),
-                                 ("a", np.dstack([colour, _picture()]), (48, 64, 3))):
-        cv2.imwrite(str(tmp_path / f"{name}.png"), picture)
-        read = read_picture(tmp_path / f"{name}.png")
-        assert read.shape == shape and np.array_equal(read, picture[..., :3] if picture.ndim == 3 else picture)
 
 
 def test_video_frames_are_numbered_from_zero(tmp_path: Path) -> None:
@@ -135,20 +123,3 @@ def test_video_cut_short_gives_what_it_has_first(tmp_path: Path) -> None:
         for frame in source:
             seen.append(frame)
     assert 3 <= len(seen) < 20
-
-
-def test_fit_scales_down_never_up_and_back() -> None:
-    small, large = Fit.to((320, 240), FULL, 64), Fit.to((1360, 1024), FULL, 64)
-    assert not small.scaled and not small.note()
-    assert large.board == (638, 480) and "638x480" in large.note()
-    points = np.array([[0.0, 0.0], [679.5, 511.5], [1359.0, 1023.0]])
-    assert np.allclose(large.to_source(large.to_board(points)), points)
-    assert np.allclose(large.to_board(points[1]), [318.5, 239.5]), "centre on centre"
-    assert large.show(np.zeros((1024, 1360, 3), np.uint8)).shape == (480, 638)
-    assert large.coarser(160).board == (160, 120)
-
-
-@pytest.mark.parametrize(("size", "says"), [((60, 50), "--window 25"), ((400, 20), "34x34 or more")])
-def test_frame_smaller_than_the_window(size: tuple[int, int], says: str) -> None:
-    with pytest.raises(SourceError, match=f"smaller than the .* window.*{says}"):
-        Fit.to(size, FULL, 64)

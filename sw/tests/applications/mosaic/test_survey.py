@@ -20,7 +20,7 @@ from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.shelf import ResumeError
 from signum.applications.mosaic.simulate import Flown, Plan, fly
 from signum.applications.mosaic.survey import Survey
-from signum.boards.board import BoardBase
+from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
 from signum.commands.cli import application
@@ -54,7 +54,7 @@ main()
 
 
 def _registrar(size: tuple[int, int], window: int = 48, sigma: float = 2.0,
-               board: BoardBase | None = None) -> Registrar:
+               board: Board | None = None) -> Registrar:
     on = board or GoldenBoard()
     return Registrar.on(lambda s, wide: Measurer(on, s, wide), Fit.to(size, on.config, window), window, sigma)
 
