@@ -14,7 +14,7 @@ from signum.applications.mosaic.blend import compose
 from signum.applications.mosaic.column import fly_column
 from signum.applications.mosaic.graph import chain
 from signum.applications.mosaic.ledger import Piece
-from signum.applications.mosaic.links import SEQUENCE
+from signum.applications.mosaic.edges import SEQUENCE
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.simulate import Flown, Plan, ground_view, seafloor
 from signum.applications.mosaic.survey import Survey

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from signum.applications.mosaic.graph import Solution
 from signum.applications.mosaic.graph import solve as place_all
-from signum.applications.mosaic.links import LINKS, LIVE, Link
+from signum.applications.mosaic.edges import LINKS, LIVE, Link
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity

@@ -25,7 +25,7 @@ import numpy as np
 from signum.applications.mosaic.blend import compose, sketch
 from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
-from signum.applications.mosaic.links import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
+from signum.applications.mosaic.edges import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
 from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from signum.applications.mosaic.column import fly_column
-from signum.applications.mosaic.links import LIVE, SEQUENCE
+from signum.applications.mosaic.edges import LIVE, SEQUENCE
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.simulate import ground_view, seafloor
 from signum.applications.mosaic.survey import Survey

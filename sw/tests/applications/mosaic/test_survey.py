@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from signum.applications.mosaic.accuracy import judge, read_track
-from signum.applications.mosaic.links import JOIN, SEQUENCE
+from signum.applications.mosaic.edges import JOIN, SEQUENCE
 from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError
