@@ -1,4 +1,4 @@
-"""What a survey knows: its pieces, the links that hold them together, where these put every frame."""
+"""What a survey knows: its pieces, the edges that hold them together, where these put every frame."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from signum.applications.mosaic.graph import Solution
-from signum.applications.mosaic.graph import solve as place_all
-from signum.applications.mosaic.edges import LINKS, LIVE, Link
+from signum.applications.mosaic.edges import LIVE, SURVEY_EDGES, Edge
+from signum.applications.mosaic.graph import Solution, solve_graph
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity
@@ -44,7 +43,7 @@ class Piece:
 
 
 class Ledger:
-    """Pieces and links, with a row in `edges.csv` for every link noted.
+    """Pieces and edges, with a row in `edges.csv` for every edge noted.
 
     Args:
         registrar: for frames of this size.
@@ -58,37 +57,37 @@ class Ledger:
         self.size = registrar.fine.source
         self.shelf = Shelf(out)
         self.pieces: list[Piece] = []
-        self.links: list[Link] = []
+        self.edges: list[Edge] = []
         self.partners: dict[str, set[str]] = {}
-        """Frames a frame has accepted links with."""
+        """Frames a frame has accepted edges with."""
 
     def open_edges(self, anew: bool) -> None:
         """Begin to write `edges.csv`, or go on with it."""
-        self.edges = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
+        self._table = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
         if anew:
-            self._write(LINKS)
+            self._write(SURVEY_EDGES)
 
     @property
-    def accepted(self) -> list[Link]:
-        """Accepted links between stored frames, of all pieces."""
-        return [link for link in self.links if link.accepted and link.kind != LIVE]
+    def accepted(self) -> list[Edge]:
+        """Accepted edges between stored frames, of all pieces."""
+        return [edge for edge in self.edges if edge.accepted and edge.kind != LIVE]
 
-    def links_of(self, piece: Piece) -> list[Link]:
-        """Accepted links between stored frames of a piece."""
-        return [link for link in self.accepted if link.frame_a in piece.places and link.frame_b in piece.places]
+    def edges_of(self, piece: Piece) -> list[Edge]:
+        """Accepted edges between stored frames of a piece."""
+        return [edge for edge in self.accepted if edge.frame_a in piece.places and edge.frame_b in piece.places]
 
     def ranked(self) -> list[Piece]:
         """The pieces, that with most frames first."""
         return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
     @staticmethod
-    def enter(piece: Piece, link: Link) -> None:
-        name = link.frame_b
+    def enter(piece: Piece, edge: Edge) -> None:
+        name = edge.frame_b
         piece.hung.pop(name, None)
         piece.stored.append(name)
         if name not in piece.frames:
             piece.frames.append(name)
-        piece.places[name] = piece.places[link.frame_a] @ link.similarity.inverse
+        piece.places[name] = piece.places[edge.frame_a] @ edge.similarity.inverse
 
     def prepared(self, name: str) -> Prepared:
         return self.shelf.prepared(name, self.registrar)
@@ -96,33 +95,33 @@ class Ledger:
     def piece_of(self, name: str) -> Piece:
         return next(piece for piece in reversed(self.pieces) if name in piece.places)
 
-    def note(self, link: Link) -> Link:
-        """Record a link."""
-        self.know(link)
-        self._write(link.row)
-        return link
+    def note(self, edge: Edge) -> Edge:
+        """Record an edge."""
+        self.know(edge)
+        self._write(edge.row)
+        return edge
 
-    def know(self, link: Link) -> None:
-        self.links.append(link)
-        if link.accepted and link.kind != LIVE:
-            self.partners.setdefault(link.frame_a, set()).add(link.frame_b)
-            self.partners.setdefault(link.frame_b, set()).add(link.frame_a)
+    def know(self, edge: Edge) -> None:
+        self.edges.append(edge)
+        if edge.accepted and edge.kind != LIVE:
+            self.partners.setdefault(edge.frame_a, set()).add(edge.frame_b)
+            self.partners.setdefault(edge.frame_b, set()).add(edge.frame_a)
 
     def _write(self, row: Sequence[object]) -> None:
         # A row goes to the disk in one piece, its newline with it.
         line = io.StringIO()
         csv.writer(line, lineterminator="\n").writerow(row)
-        self.edges.write(line.getvalue())
-        self.edges.flush()
+        self._table.write(line.getvalue())
+        self._table.flush()
 
     def solve(self, piece: Piece) -> None:
-        """Place the frames of a piece by all its links."""
-        links = self.links_of(piece)
-        piece.solution = place_all(piece.stored[0], links, self.size, piece.places, self.settings.outvoted)
+        """Place the frames of a piece by all its edges."""
+        edges = self.edges_of(piece)
+        piece.solution = solve_graph(piece.stored[0], edges, self.size, piece.places, self.settings.outvoted)
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
-        """One piece of two that links hold together; the frames of the later one come last."""
+        """One piece of two that edges hold together; the frames of the later one come last."""
         if self.pieces.index(early) > self.pieces.index(late):
             early, late = late, early
         early.stored += late.stored
@@ -132,7 +131,7 @@ class Ledger:
         start = {name: early.places[name] for name in early.stored if name not in late.places}
         # The one whose frames are still coming stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
-        early.solution = place_all(early.stored[0], self.links_of(early), self.size, start, self.settings.outvoted)
+        early.solution = solve_graph(early.stored[0], self.edges_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]
