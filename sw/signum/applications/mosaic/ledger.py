@@ -1,4 +1,4 @@
-"""What a survey knows: its pieces, the links that hold them together, where these put every frame."""
+"""What a survey knows: its pieces, the edges that hold them together, where these put every frame."""
 
 from __future__ import annotations
 
@@ -8,57 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from signum.applications.mosaic.graph import ROBUST, Solution
-from signum.applications.mosaic.graph import solve as place_all
-from signum.applications.mosaic.links import LINKS, LIVE, Link
-from signum.applications.mosaic.pose import Settings as ColumnSettings
+from signum.applications.mosaic.edges import LIVE, SURVEY_EDGES, Edge
+from signum.applications.mosaic.graph import Solution, solve_graph
+from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Prepared, Registrar
-
-
-@dataclass(frozen=True)
-class Settings(ColumnSettings):
-    """How a survey is made; see also `signum.applications.mosaic.pose.Settings`.
-
-    Attributes:
-        loops: whether links beside the sequence are looked for.
-        overlap: least predicted overlap at which a link is proposed, share of a frame.
-        apart: least distance of two frames that are both linked to a third, share of the frame's shorter side.
-        proposals: most links proposed for a frame.
-        share: least share of the windows that must agree on a proposed link: where it ought to be is known, so less
-            than for a link of the sequence would be chance or two layers of relief.
-        agreed: least number of them.
-        gate: by how many standard deviations of the prediction a proposed link may miss it.
-        relief: by which share of the frame's longer side more it may miss it: relief moves what is seen.
-        twist_deg: by which rotation it may miss it.
-        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
-        farthest: pixels of the board searched around a prediction; where more would be needed, the whole frame is.
-        joins: frames of other pieces tried for each stored one.
-    """
-
-    loops: bool = True
-    overlap: float = 0.15
-    apart: float = 0.1
-    proposals: int = 8
-    share: float = 0.6
-    agreed: int = 6
-    gate: float = 4.0
-    relief: float = 0.02
-    twist_deg: float = 6.0
-    outvoted: float = ROBUST
-    farthest: int = 64
-    joins: int = 6
-
-    @property
-    def columns(self) -> str:
-        """These settings in a word: single, auto or turned."""
-        return ("auto" if self.outvoted == ROBUST else "turned") if self.loops else "single"
-
-
-CURVED = Settings(relief=0.15, twist_deg=20.0, share=0.5, outvoted=9.0)
-"""For a camera that turns in place: its mosaic is a sphere drawn flat, which closes no loop. What every loop misses is
-spread over all links; with `Settings()` the mosaic would lie flat in parts and be torn between them."""
 
 
 @dataclass
@@ -88,51 +43,51 @@ class Piece:
 
 
 class Ledger:
-    """Pieces and links, with a row in `edges.csv` for every link noted.
+    """Pieces and edges, with a row in `edges.csv` for every edge noted.
 
     Args:
         registrar: for frames of this size.
         out: folder of `edges.csv` and of the frames that are kept.
-        settings: see `Settings`.
+        settings: see `SurveySettings`.
     """
 
-    def __init__(self, registrar: Registrar, out: Path, settings: Settings) -> None:
+    def __init__(self, registrar: Registrar, out: Path, settings: SurveySettings) -> None:
         self.registrar, self.out, self.settings = registrar, out, settings
         self.centre = float(registrar.centre[0]), float(registrar.centre[1])
         self.size = registrar.fine.source
         self.shelf = Shelf(out)
         self.pieces: list[Piece] = []
-        self.links: list[Link] = []
+        self.edges: list[Edge] = []
         self.partners: dict[str, set[str]] = {}
-        """Frames a frame has accepted links with."""
+        """Frames a frame has accepted edges with."""
 
     def open_edges(self, anew: bool) -> None:
         """Begin to write `edges.csv`, or go on with it."""
-        self.edges = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
+        self._table = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
         if anew:
-            self._write(LINKS)
+            self._write(SURVEY_EDGES)
 
     @property
-    def accepted(self) -> list[Link]:
-        """Accepted links between stored frames, of all pieces."""
-        return [link for link in self.links if link.accepted and link.kind != LIVE]
+    def accepted(self) -> list[Edge]:
+        """Accepted edges between stored frames, of all pieces."""
+        return [edge for edge in self.edges if edge.accepted and edge.kind != LIVE]
 
-    def links_of(self, piece: Piece) -> list[Link]:
-        """Accepted links between stored frames of a piece."""
-        return [link for link in self.accepted if link.frame_a in piece.places and link.frame_b in piece.places]
+    def edges_of(self, piece: Piece) -> list[Edge]:
+        """Accepted edges between stored frames of a piece."""
+        return [edge for edge in self.accepted if edge.frame_a in piece.places and edge.frame_b in piece.places]
 
     def ranked(self) -> list[Piece]:
         """The pieces, that with most frames first."""
         return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
     @staticmethod
-    def enter(piece: Piece, link: Link) -> None:
-        name = link.frame_b
+    def enter(piece: Piece, edge: Edge) -> None:
+        name = edge.frame_b
         piece.hung.pop(name, None)
         piece.stored.append(name)
         if name not in piece.frames:
             piece.frames.append(name)
-        piece.places[name] = piece.places[link.frame_a] @ link.similarity.inverse
+        piece.places[name] = piece.places[edge.frame_a] @ edge.similarity.inverse
 
     def prepared(self, name: str) -> Prepared:
         return self.shelf.prepared(name, self.registrar)
@@ -140,33 +95,33 @@ class Ledger:
     def piece_of(self, name: str) -> Piece:
         return next(piece for piece in reversed(self.pieces) if name in piece.places)
 
-    def note(self, link: Link) -> Link:
-        """Record a link."""
-        self.know(link)
-        self._write(link.row)
-        return link
+    def note(self, edge: Edge) -> Edge:
+        """Record an edge."""
+        self.know(edge)
+        self._write(edge.row)
+        return edge
 
-    def know(self, link: Link) -> None:
-        self.links.append(link)
-        if link.accepted and link.kind != LIVE:
-            self.partners.setdefault(link.frame_a, set()).add(link.frame_b)
-            self.partners.setdefault(link.frame_b, set()).add(link.frame_a)
+    def know(self, edge: Edge) -> None:
+        self.edges.append(edge)
+        if edge.accepted and edge.kind != LIVE:
+            self.partners.setdefault(edge.frame_a, set()).add(edge.frame_b)
+            self.partners.setdefault(edge.frame_b, set()).add(edge.frame_a)
 
     def _write(self, row: Sequence[object]) -> None:
         # A row goes to the disk in one piece, its newline with it.
         line = io.StringIO()
         csv.writer(line, lineterminator="\n").writerow(row)
-        self.edges.write(line.getvalue())
-        self.edges.flush()
+        self._table.write(line.getvalue())
+        self._table.flush()
 
     def solve(self, piece: Piece) -> None:
-        """Place the frames of a piece by all its links."""
-        links = self.links_of(piece)
-        piece.solution = place_all(piece.stored[0], links, self.size, piece.places, self.settings.outvoted)
+        """Place the frames of a piece by all its edges."""
+        edges = self.edges_of(piece)
+        piece.solution = solve_graph(piece.stored[0], edges, self.size, piece.places, self.settings.outvoted)
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
-        """One piece of two that links hold together; the frames of the later one come last."""
+        """One piece of two that edges hold together; the frames of the later one come last."""
         if self.pieces.index(early) > self.pieces.index(late):
             early, late = late, early
         early.stored += late.stored
@@ -176,7 +131,7 @@ class Ledger:
         start = {name: early.places[name] for name in early.stored if name not in late.places}
         # The one whose frames are still coming stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
-        early.solution = place_all(early.stored[0], self.links_of(early), self.size, start, self.settings.outvoted)
+        early.solution = solve_graph(early.stored[0], self.edges_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]

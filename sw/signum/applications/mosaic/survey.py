@@ -1,10 +1,10 @@
 """A survey, frame by frame: each is registered against the last, then against every neighbour the poses predict.
 
 The vehicle's way is not told: a single column, columns flown back and forth, or any other track. What the sequence
-places, least squares over all links (`graph`) keeps in place: after every stored frame the pairs whose predicted
+places, least squares over all edges (`graph`) keeps in place: after every stored frame the pairs whose predicted
 overlap is large enough are measured, around the place predicted and as far as the prediction may be wrong by its own
 account; what lands elsewhere is refused. Where the sequence breaks, a new piece begins, and frames of both sides are
-tried until one link between the pieces is found and borne out by others.
+tried until one edge between the pieces is found and borne out by others.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
+from signum.applications.mosaic.edges import JOIN, LIVE, LOOP, SEQUENCE, Edge, read_edges
 from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
-from signum.applications.mosaic.ledger import Ledger, Piece, Settings
-from signum.applications.mosaic.links import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
+from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.pose import Pose
-from signum.applications.mosaic.shelf import ResumeError, Run, write_picture, write_text
+from signum.applications.mosaic.settings import SurveySettings
+from signum.applications.mosaic.shelf import ResumeError, SurveyRun, write_picture, write_text
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.frames.frame import Frame
@@ -47,7 +48,7 @@ class Survey(Ledger):
         registrar: for frames of this size.
         out: folder for `edges.csv`, `poses.csv`, `mosaic.png`; further pieces get `poses-2.csv`, `mosaic-2.png`, ...
         stream: whether little moves between frames (a video), rather than a third of a frame (snapshots).
-        settings: see `Settings`.
+        settings: see `SurveySettings`.
         source: where the frames come from, for the record.
         resume: go on with the survey in the folder.
         every: least seconds between two looks at the growing mosaic; infinite for none.
@@ -56,12 +57,12 @@ class Survey(Ledger):
         ResumeError: if there is nothing in the folder to go on with, or it was made otherwise.
     """
 
-    def __init__(self, registrar: Registrar, out: Path, stream: bool = False, settings: Settings | None = None,
+    def __init__(self, registrar: Registrar, out: Path, stream: bool = False, settings: SurveySettings | None = None,
                  source: str = "", resume: bool = False, every: float = math.inf) -> None:
-        super().__init__(registrar, out, settings or Settings())
+        super().__init__(registrar, out, settings or SurveySettings())
         self.stream = stream
         self._loops = Loops(self)
-        self.run = Run(source, self.size, stream, registrar.window, registrar.sigma, self.settings.columns)
+        self.run = SurveyRun(source, self.size, stream, registrar.window, registrar.sigma, self.settings.columns)
         self.done: set[str] = set()
         self.ground: Callable[[list[Pose], tuple[float, float]], Georeference | None] | None = None
         """Where on the ground a piece lies, from its poses and the frames' centre: for world files and GeoTIFF."""
@@ -89,7 +90,7 @@ class Survey(Ledger):
         """Nothing is known of the motion any more."""
         self._seen: Similarity | None = None
         self._before: Similarity | None = None
-        self._last: tuple[Frame, Prepared, Link] | None = None
+        self._last: tuple[Frame, Prepared, Edge] | None = None
 
     def add(self, frame: Frame) -> str:
         """Take in the next frame; one that was taken in before a crash is passed over.
@@ -116,10 +117,10 @@ class Survey(Ledger):
     def _add_snapshot(self, frame: Frame, prepared: Prepared) -> str:
         for name in self.pieces[-1].stored[: -1 - self.settings.back : -1]:
             result = self.registrar.register(self.prepared(name), prepared)
-            link = Link.of(name, frame.name, SEQUENCE, self.centre, result)
-            if link.accepted:
-                return self._store(frame, prepared, link)
-            self.note(link)
+            edge = Edge.of(name, frame.name, SEQUENCE, self.centre, result)
+            if edge.accepted:
+                return self._store(frame, prepared, edge)
+            self.note(edge)
         return self._begin(frame, prepared)
 
     def _add_live(self, frame: Frame, prepared: Prepared) -> str:
@@ -132,23 +133,23 @@ class Survey(Ledger):
             result = self.registrar.register(self.prepared(name), prepared, IDENTITY, self.settings.reach)
         if not result.accepted:
             result = self.registrar.register(self.prepared(name), prepared)
-        link = self.note(Link.of(name, frame.name, LIVE, self.centre, result))
-        if not link.accepted:
+        edge = self.note(Edge.of(name, frame.name, LIVE, self.centre, result))
+        if not edge.accepted:
             self._lost += 1
             self._seen = self._before = None
             if self._lost > self.settings.patience:
                 return self._begin(frame, prepared)
-            return f"{name} to {frame.name}: {link.reason}"
+            return f"{name} to {frame.name}: {edge.reason}"
         self._lost = 0
-        self._before, self._seen = self._seen, link.similarity
+        self._before, self._seen = self._seen, edge.similarity
         piece = self.pieces[-1]
-        piece.hung[frame.name] = name, link.similarity.inverse
+        piece.hung[frame.name] = name, edge.similarity.inverse
         piece.frames.append(frame.name)
-        self._last = frame, prepared, link
-        moved = np.abs(link.shift) >= self.settings.step * np.array(self.size)
-        if moved.any() or abs(link.similarity.rot_deg) >= self.settings.turn_deg:
+        self._last = frame, prepared, edge
+        moved = np.abs(edge.shift) >= self.settings.step * np.array(self.size)
+        if moved.any() or abs(edge.similarity.rot_deg) >= self.settings.turn_deg:
             return self._store(*self._last)
-        return f"{name} to {frame.name}: {link.shift[0]:.1f}, {link.shift[1]:.1f} px"
+        return f"{name} to {frame.name}: {edge.shift[0]:.1f}, {edge.shift[1]:.1f} px"
 
     def _predict(self) -> Similarity:
         """Where the next live frame should see the stored one: the last motion goes on."""
@@ -171,21 +172,21 @@ class Survey(Ledger):
             self._loops.join(frame.name)
         return f"{frame.name}: begins piece {len(self.pieces)}"
 
-    def _store(self, frame: Frame, prepared: Prepared, link: Link) -> str:
-        """Make a frame part of the graph by an accepted link, and look for its neighbours."""
+    def _store(self, frame: Frame, prepared: Prepared, edge: Edge) -> str:
+        """Make a frame part of the graph by an accepted edge, and look for its neighbours."""
         self.shelf.save(frame.name, frame.picture)
         self._keep(frame, prepared)
-        link = replace(link, kind=SEQUENCE)
-        self.note(link)
-        self._loops.tried[link.frame_a, link.frame_b] = link.similarity
+        edge = replace(edge, kind=SEQUENCE)
+        self.note(edge)
+        self._loops.tried[edge.frame_a, edge.frame_b] = edge.similarity
         self._forget()
-        piece = self.piece_of(link.frame_a)
-        self.enter(piece, link)
-        found = self._loops.propose(piece, frame.name, link) if self.settings.loops else 0
+        piece = self.piece_of(edge.frame_a)
+        self.enter(piece, edge)
+        found = self._loops.propose(piece, frame.name, edge) if self.settings.loops else 0
         self.solve(piece)
         if self.settings.loops and len(self.pieces) > 1:
             found += self._loops.join(frame.name)
-        return f"{link.frame_a} to {frame.name}: {link.shift[0]:.1f}, {link.shift[1]:.1f} px, {found} other links"
+        return f"{edge.frame_a} to {frame.name}: {edge.shift[0]:.1f}, {edge.shift[1]:.1f} px, {found} other edges"
 
     def settle(self) -> None:
         """Store the last frame of a stream, however little it moved since the one before."""
@@ -193,7 +194,7 @@ class Survey(Ledger):
             self._store(*self._last)
 
     def finish(self) -> Iterator[str]:
-        """Look again for links the poses now predict, until there are no more; tells of each frame."""
+        """Look again for edges the poses now predict, until there are no more; tells of each frame."""
         if self.settings.loops:
             for piece in list(self.pieces):
                 yield from self._loops.exhaust(piece)
@@ -241,10 +242,10 @@ class Survey(Ledger):
 
     def close(self, finished: bool = True) -> None:
         """Write poses and mosaics of what there is."""
-        if self.edges.closed:
+        if self._table.closed:
             return
         self.settle()
-        self.edges.close()
+        self._table.close()
         self.write_poses()
         self.trouble = ""
         for number, piece in enumerate(self.ranked(), 1):
@@ -280,31 +281,31 @@ class Survey(Ledger):
         for name in self.shelf.started():
             self.pieces.append(Piece([name], {name: IDENTITY}, frames=[name]))
             self.done.add(name)
-        for link in read_links(path, self.centre):
-            self._take(link)
+        for edge in read_edges(path, self.centre):
+            self._take(edge)
         # What a crash left of a row goes.
         with path.open("rb+") as file:
             file.truncate(file.read().rfind(b"\n") + 1)
         for piece in self.pieces:
             self.solve(piece)
 
-    def _take(self, link: Link) -> None:
-        """Take in a link measured before a crash."""
-        a, b = link.frame_a, link.frame_b
-        self.know(link)
-        if link.kind == LIVE or (link.accepted and link.kind == SEQUENCE):
+    def _take(self, edge: Edge) -> None:
+        """Take in an edge measured before a crash."""
+        a, b = edge.frame_a, edge.frame_b
+        self.know(edge)
+        if edge.kind == LIVE or (edge.accepted and edge.kind == SEQUENCE):
             self.done.add(b)
-        if link.kind in (LOOP, JOIN) or link.accepted:
+        if edge.kind in (LOOP, JOIN) or edge.accepted:
             self._loops.tried[a, b] = IDENTITY
-        if not link.accepted:
+        if not edge.accepted:
             return
-        if link.kind == LIVE:
+        if edge.kind == LIVE:
             piece = self.piece_of(a)
-            piece.hung[b] = a, link.similarity.inverse
+            piece.hung[b] = a, edge.similarity.inverse
             piece.frames.append(b)
-        elif link.kind == SEQUENCE:
-            self.enter(self.piece_of(a), link)
-        elif link.kind == JOIN:
+        elif edge.kind == SEQUENCE:
+            self.enter(self.piece_of(a), edge)
+        elif edge.kind == JOIN:
             early, late = self.piece_of(a), self.piece_of(b)
             if early is not late:
                 self.merge(early, late)

@@ -1,4 +1,4 @@
-"""The three ways of the paper and after it to place frames by the same links: what least squares gains over chains."""
+"""The three ways of the paper and after it to place frames by the same edges: what least squares gains over chains."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from collections.abc import Callable
 
 import numpy as np
 
+from signum.applications.mosaic.edges import SEQUENCE
 from signum.applications.mosaic.graph import chain
 from signum.applications.mosaic.ledger import Piece
-from signum.applications.mosaic.links import SEQUENCE
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.survey import Survey
 from signum.geometry.similarity import Similarity
 
 
 def by_sequence(survey: Survey, piece: Piece) -> list[Pose]:
-    """(a) Each stored frame by its link to the one before; empty where the sequence does not reach them all."""
-    links = [link for link in survey.links_of(piece) if link.kind == SEQUENCE]
-    return _poses(survey, piece, chain(piece.stored[0], links))
+    """(a) Each stored frame by its edge to the one before; empty where the sequence does not reach them all."""
+    edges = [edge for edge in survey.edges_of(piece) if edge.kind == SEQUENCE]
+    return _poses(survey, piece, chain(piece.stored[0], edges))
 
 
 def by_neighbours(survey: Survey, piece: Piece) -> list[Pose]:
-    """(b) Each by as few links from the first frame as there are: across columns where they are linked."""
-    return _poses(survey, piece, chain(piece.stored[0], survey.links_of(piece)))
+    """(b) Each by as few edges from the first frame as there are: across columns where they are linked."""
+    return _poses(survey, piece, chain(piece.stored[0], survey.edges_of(piece)))
 
 
 def by_all(survey: Survey, piece: Piece) -> list[Pose]:
-    """(c) All by all links, least squares."""
+    """(c) All by all edges, least squares."""
     return _poses(survey, piece, piece.places)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.applications.mosaic.ledger import CURVED
+from signum.applications.mosaic.settings import CURVED
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.conformal import Conformal
 from signum.applications.navigate.localise import Localiser, Place

@@ -5,14 +5,18 @@ import numpy as np
 from signum.applications.mosaic.blend import LOCAL_GAINS, compose, sketch
 from signum.common.arrays import Image
 from signum.geometry.similarity import Similarity
-from signum.world.scene import gravel
+from signum.world.seafloor import photograph
 
 SIZE = 128, 96
 
 
+def _gravel() -> Image:
+    return photograph("gravel").astype(np.uint8)
+
+
 def _survey(cone: float) -> tuple[list[Image], list[Similarity], Image]:
     """Frames of a photograph, half a frame apart, under a lamp whose light falls by `cone` in the corners."""
-    photo = gravel(1.0)
+    photo = _gravel()
     u, v = np.meshgrid(np.linspace(-1, 1, SIZE[0]), np.linspace(-1, 1, SIZE[1]))
     light = 1 - cone * (u**2 + v**2) / 2
     places = [Similarity.of(shift=(float(x), float(y))) for y in range(0, 6 * 48, 48) for x in range(0, 6 * 64, 64)]
@@ -53,3 +57,17 @@ def test_a_large_mosaic_is_made_smaller() -> None:
     assert mosaic.picture.size <= 21_000 and 0.3 < mosaic.scale < 0.45
     shown = sketch([f[::2, ::2].copy() for f in frames], places, SIZE)
     assert shown.shape == (168, 224) and (shown > 0).mean() > 0.95
+
+
+def test_blend_places_pictures_and_evens_exposure() -> None:
+    photo = _gravel()
+    left, right = photo[:, :300], np.clip(photo[:, 200:].astype(float) * 0.7, 0, 255).astype(np.uint8)
+    mosaic = compose([left, right], [Similarity(), Similarity.of(shift=(200.0, 0.0))])
+    assert mosaic.picture.shape == (512, 512) and mosaic.origin == (0.0, 0.0) and mosaic.scale == 1
+    inside = mosaic.picture[16:-16, 16:-16].astype(float)
+    truth = photo[16:-16, 16:-16].astype(float)
+    for part in (slice(0, 170), slice(184, 280), slice(310, 480)):
+        assert np.corrcoef(inside[:, part].ravel(), truth[:, part].ravel())[0, 1] > 0.99
+    ratio = inside[:, 310:].mean() / inside[:, :170].mean()
+    wanted = truth[:, 310:].mean() / truth[:, :170].mean()
+    assert ratio / wanted > 0.85, "the darker picture is brought up to the other"
