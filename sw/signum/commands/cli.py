@@ -7,7 +7,7 @@ import sys
 
 import typer
 
-from signum.commands.common import app
+from signum.commands.app import app
 
 COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate", "stereo",
             "track")

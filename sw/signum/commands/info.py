@@ -7,27 +7,28 @@ from dataclasses import asdict
 
 from rich.table import Table as Grid
 
-from signum.commands.common import BoardName, BoardOption, SigmaOption, WindowOption, app, board_of, guarded
+from signum.commands.app import command
+from signum.commands.options import BoardOptions
+from signum.commands.session import board_of
 from signum.common.console import out
 
+BOARD_DEFAULTS = BoardOptions(sigma=2.5)
 
-@app.command()
-@guarded
-def info(
-    board: BoardOption = BoardName.golden,
-    sigma: SigmaOption = 2.5,
-    window: WindowOption = 64,
-) -> None:
+
+@command()
+def info(board: BoardOptions = BOARD_DEFAULTS) -> None:
     """The board's identification, configuration and counters.
 
     Example: `signum info --board verilated`
     """
-    with board_of(board, window) as b:
+    with board_of(board.board, board.window) as opened:
         grid = Grid(show_header=False, box=None)
-        identify: Callable[[], dict[str, object]] | None = getattr(b, "identification", None)
-        about: dict[str, object] = identify() if identify else {"id": "none: a model in software", "board": b.name}
-        about |= {"configuration": b.config.name, **{k: v for k, v in asdict(b.config).items() if k != "name"},
-                  "max_window": b.config.max_window, "lanes": b.config.lanes}
-        for name, value in (about | b.counters()).items():
+        identify: Callable[[], dict[str, object]] | None = getattr(opened, "identification", None)
+        about: dict[str, object] = identify() if identify else {"id": "none: a model in software",
+                                                                "board": opened.name}
+        config = opened.config
+        about |= {"configuration": config.name, **{k: v for k, v in asdict(config).items() if k != "name"},
+                  "max_window": config.max_window, "lanes": config.lanes}
+        for name, value in (about | opened.counters()).items():
             grid.add_row(name, str(value))
         out.print(grid)

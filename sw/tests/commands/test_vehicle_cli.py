@@ -21,8 +21,7 @@ from signum.applications.hold.simulate import Scenario, hold
 from signum.boards.board import BoardBase
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
-from signum.commands import follow as follow_command
-from signum.commands import hold as hold_command
+from signum.commands import session
 from signum.commands.cli import application
 from signum.frames.frame import Frame
 from signum.geometry.camera import LOOK_DOWN, Sight
@@ -131,11 +130,10 @@ def test_stopped_by_the_user(tmp_path: Path, film: list[np.ndarray], monkeypatch
                     raise KeyboardInterrupt
                 yield frame
 
-    for module in (hold_command, follow_command):
-        monkeypatch.setattr(module, "open_source", lambda *_: Stopped(film))
+    monkeypatch.setattr(session, "open_source", lambda *_: Stopped(film))
     for command in ("hold", "follow"):
         result = _run(command, "--source", "any", "--out", tmp_path / command)
-        assert "stopped" in _one_line(result, 130)
+        assert "stopped" in _one_line(result, 130) and f"{command}.csv: 4 frames" in result.stdout
         assert len(_rows(tmp_path / command / f"{command}.csv")) == 4
         assert "</html>" in (tmp_path / command / "report.html").read_text()
 
