@@ -33,7 +33,7 @@ td:first-child,th:first-child{text-align:left}.met{color:#1a7f37}.missed{color:#
 
 @dataclass(frozen=True)
 class Bar:
-    """A measured figure and what it has to be.
+    """A measured figure and the bound it has to keep.
 
     Attributes:
         what: the figure, with its unit.
@@ -48,7 +48,7 @@ class Bar:
 
     @property
     def met(self) -> bool:
-        """Whether it is; NaN never is."""
+        """Whether the bar is met; NaN meets none."""
         return self.measured <= self.bound if self.relation == "<=" else self.measured >= self.bound
 
     def __str__(self) -> str:

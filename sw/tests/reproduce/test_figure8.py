@@ -14,7 +14,7 @@ from signum.world.degrade import SNOW, degrade
 def test_table_meets_the_paper() -> None:
     with GoldenBoard() as board:
         rows = [row for name, picture in figure8.pictures() for row in figure8.measure(board, name, picture)]
-    print("\n" + figure8.table(rows))
+    print("\n" + figure8.as_text(rows))
     assert {r.picture for r in rows} >= set(figure8.PHOTOGRAPHS)
     assert {r.sigma for r in rows} == set(figure8.SIGMAS)
     at = {(r.picture, r.sigma): r for r in rows}

@@ -10,7 +10,7 @@ from signum.common.console import progress
 from signum.report.page import Bar, Section
 from signum.reproduce import Maker, OpenBoard, Progress
 from signum.reproduce import __main__ as command
-from signum.reproduce.sections import MAKERS
+from signum.reproduce.makers import MAKERS
 
 
 @pytest.mark.parametrize("name", list(MAKERS))
