@@ -36,7 +36,7 @@ from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.console import out
 from signum.common.errors import SignumError
-from signum.frames.frame import Frame
+from signum.frames.frame import Frame, Source
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.report.page import Section, write_page
 from signum.sources.open import open_source
@@ -139,6 +139,7 @@ def _chase(run: Session, chase: Chase, film: bool) -> None:
 
 def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bool, window: int | None) -> None:
     """Open loop, on frames from elsewhere."""
+    other = None if recorded.right is None else open_source(recorded.right)
     fit, measurer, rate = run.fit, run.measurer(run.fit.board), recorded.rate
     rectifier = read_stereo(recorded.calibration) if recorded.calibration is not None else None
     eye: Eye = MotionEye(measurer, window=window or MOTION_WINDOW)
@@ -159,7 +160,7 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
     shown: list[Image] = []
 
     def pictures() -> Iterator[tuple[Image, ...]]:
-        for name, pair in islice(_pairs(run, recorded.right, rectifier), total if seconds is not None else None):
+        for name, pair in islice(_pairs(run, other, rectifier), total if seconds is not None else None):
             names.append(name)
             shown[:] = pair[:1]
             yield pair
@@ -170,12 +171,12 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
         run.tell(_word(target))
 
 
-def _pairs(run: Session, right: str | None, rectifier: Rectifier | None) -> Iterator[tuple[str, tuple[Image, ...]]]:
+def _pairs(run: Session, other: Source | None, rectifier: Rectifier | None
+           ) -> Iterator[tuple[str, tuple[Image, ...]]]:
     """Each frame's name and its picture for the board, with a rectifier those of both cameras."""
-    if right is None or rectifier is None:
+    if other is None or rectifier is None:
         yield from ((frame.name, (run.fit.show(frame.picture),)) for frame in run.frames())
         return
-    other = open_source(right)
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for one, two in frames:
         if one is None or two is None:

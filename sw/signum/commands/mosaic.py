@@ -107,9 +107,10 @@ def mosaic(
     Example: `signum mosaic survey/ --out out/mosaic`
     """
     settings = CURVED if columns is TrackKind.turned else Settings(loops=columns is TrackKind.auto)
-    with Session(board, output, source, calibration) as run:
-        known = None if truth is None else read_track(truth, run.source.label)
-        placing = ground.placing(calibration, run.source.label)
+    session = Session(board, output, source, calibration)
+    known = None if truth is None else read_track(truth, session.source.label)
+    placing = ground.placing(calibration, session.source.label)
+    with session as run:
         survey = Survey(Registrar.on(run.measurer, run.fit, board.window, board.sigma), output,
                         not run.source.snapshots, settings, run.source.label, _resumes(resume, run, settings),
                         LIVE_EVERY if live else float("inf"))
@@ -120,7 +121,7 @@ def mosaic(
 
 
 def _grow(run: Session, survey: Survey, known: Track | None) -> None:
-    """All frames, then all neighbours; what was placed is blended and reported, also after an interrupt."""
+    """All frames, then all neighbours; what was placed is blended and reported, also after an error or an interrupt."""
     finished = False
 
     def close() -> None:

@@ -19,7 +19,7 @@ from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
 from signum.frames.fit import Fit
-from signum.frames.frame import Frame, grey
+from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
 from signum.measure.stereo import RangeMap, draw_range, measure_range, write_ply
 from signum.report.rows import disparity_rows
@@ -58,7 +58,7 @@ DISPARITY_DEFAULTS = DisparityOptions()
 @command()
 def stereo(
     left: Annotated[str, typer.Argument(help="Left camera's picture, folder, video or bag.", show_default=False)],
-    right: Annotated[str, typer.Argument(help="Right camera's, with as many frames.", show_default=False)],
+    right: Annotated[str, typer.Argument(help="The same of the right camera, as many frames.", show_default=False)],
     calibration: Annotated[Path | None, typer.Option(
         "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the pair (K1 D1 K2 D2 R T image_width "
         "image_height, T in metres): rectifies the frames, and gives ranges. Without it the frames must be rectified, "
@@ -78,8 +78,9 @@ def stereo(
     rig = read_stereo(calibration) if calibration is not None else None
     geometry = rig.geometry if rig else None
     shares: list[float] = []
-    with Session(board, output, left) as run:
-        pairs = _pairs(run, right, None if rectified else rig)
+    session, other = Session(board, output, left), open_source(right)
+    with session as run:
+        pairs = _pairs(run, other, None if rectified else rig)
         for old in (*run.output.glob("range*.png"), *run.output.glob("range*.tiff"), *run.output.glob("points*.ply")):
             old.unlink()
         table = run.table("disparity.csv", DISPARITY)
@@ -97,9 +98,8 @@ def stereo(
             run.tell(f"{shares[-1]:.0%} valid")
 
 
-def _pairs(run: Session, right: str, rig: Rectifier | None) -> Iterator[tuple[str, tuple[Image, Image]]]:
+def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple[str, tuple[Image, Image]]]:
     """Grey pictures of both cameras, rectified, under the left frame's name."""
-    other = open_source(right)
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for a, b in frames:
         if a is None or b is None:
