@@ -25,7 +25,7 @@ app = typer.Typer(
 
 @app.callback()
 def _signum() -> None:
-    """With a callback Typer asks for a command's name even where only one command is loaded."""
+    """Only with a callback does Typer require a command's name where a single command is loaded."""
 
 
 def command(name: str | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:

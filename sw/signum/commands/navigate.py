@@ -28,7 +28,7 @@ from signum.tables.schemas import GOTO, NAVIGATE
 BOARD_DEFAULTS = BoardOptions()
 SEARCH = "Search"
 SIMULATED = "simulated.txt"
-"""Marks a mosaic that may be simulated anew."""
+"""File that marks a folder's mosaic as simulated, so that it may be overwritten."""
 EVERY = 30
 """Frames between two pictures of the path so far."""
 

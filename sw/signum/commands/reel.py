@@ -28,7 +28,7 @@ class Reel:
         self._table = Table(folder / "truth.csv", ["frame", "time_s", *columns])
 
     def add(self, still: Still) -> None:
-        """Write a moment."""
+        """Write the frames and the truth of a moment."""
         for side, frame in zip(("left", "right"), still.frames, strict=False):
             name = side if self.pictures else f"{side}.mp4"
             if name not in self.names:
@@ -47,7 +47,7 @@ class Reel:
         if self.pictures:
             folder = self.folder / name
             folder.mkdir(exist_ok=True)
-            for old in folder.glob("*.png"):  # of a longer run before
+            for old in folder.glob("*.png"):  # from an earlier, longer run
                 old.unlink()
             return
         size = frame.shape[1], frame.shape[0]

@@ -1,4 +1,4 @@
-"""What every measuring command does around its own work: source, board, folder, progress, tables, report."""
+"""What the commands that measure have in common: source, board, folder, progress, tables, report."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Session:
         return self.fit_to(self.first.size, f"{self.source.label}: frame {self.first.name}")
 
     def fit_to(self, size: tuple[int, int], label: str) -> Fit:
-        """How pictures of a size (width, height) are scaled for the board; says so where they are scaled.
+        """How pictures of a size (width, height) are scaled for the board; prints a note where they are.
 
         Raises:
             SourceError: if they are too small; the message begins with `label`.
@@ -123,13 +123,13 @@ class Session:
         return chain([self.first], self._frames)
 
     def steps(self, what: str, items: Iterable[T], total: int | None) -> Iterator[T]:
-        """The items, with a progress line until the last; `tell` moves it on."""
+        """The items, with a progress line until the last; `tell` advances it."""
         self._tell = self._bar.enter_context(progress(what, total))
         yield from items
         self._bar.close()
 
     def tell(self, state: str) -> None:
-        """A frame is finished; `state` is a word on how it went."""
+        """Count a finished frame; the progress line shows `state`."""
         self.done += 1
         self._tell(state)
 
@@ -144,7 +144,7 @@ class Session:
         return self._opened.enter_context(context)
 
     def at_end(self, call: Callable[[], object]) -> None:
-        """Have something done on leaving, before the report is written: the last named first."""
+        """Call something on leaving, before the report is written; the last added is called first."""
         self._opened.callback(call)
 
     def report_folder(self) -> None:

@@ -29,7 +29,7 @@ from signum.world.camera import Pinhole
 from signum.world.scenes import Still, drift, survey, truth_of
 
 SIGMA = 2.0
-"""Of the filter with which a simulated vehicle is steered, pixels."""
+"""Width of the LoG's Gaussian with which a simulated vehicle is steered, pixels."""
 
 
 class Kind(StrEnum):
@@ -52,7 +52,7 @@ class WaterName(StrEnum):
 
 @dataclass(frozen=True)
 class SceneOptions:
-    """What the simulated world is, and how long and how often it is looked at."""
+    """What the simulated world is, and the length and the rate of the run."""
 
     seconds: Annotated[float, typer.Option("--seconds", rich_help_panel=SIMULATION, min=0.2,
                                            help="Length of the run.")] = 20.0
@@ -112,7 +112,7 @@ def _stills(kind: Kind, camera: Pinhole, scene: SceneOptions) -> Iterator[Still]
     if kind is Kind.drift:
         yield from drift(scene.seconds, scene.rate, scene.height, scene.stereo, water, seed, camera)
         return
-    with board_of(BoardName.golden) as board:  # the vehicle of these is steered by what it sees
+    with board_of(BoardName.golden) as board:  # measures what the camera sees, which steers the vehicle
         def measurer(size: tuple[int, int]) -> Measurer:
             return Measurer(board, size, SIGMA)
 

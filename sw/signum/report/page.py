@@ -1,4 +1,4 @@
-"""Pages that can be handed on: one HTML file with its pictures, plots and tables inside."""
+"""Self-contained pages: one HTML file with its pictures, plots and tables inside."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page: a heading, HTML made with the functions below, and the figures it is judged by."""
+    """A part of a page: a heading, HTML made with the functions below, and bars for its figures."""
 
     title: str
     body: str
@@ -69,7 +69,7 @@ class Section:
         bars = "".join(
             f"<tr><td>{html.escape(b.what)}</td><td class={'met' if b.met else 'missed'}>{b.measured:.4g}</td>"
             f"<td>{html.escape(b.relation)} {b.bound:g}</td></tr>" for b in self.bars)
-        table = f"<table><tr><th>figure</th><th>measured</th><th>bar</th></tr>{bars}</table>" if bars else ""
+        table = f"<table><tr><th>figure</th><th>measured</th><th>bound</th></tr>{bars}</table>" if bars else ""
         return f"<h2>{html.escape(self.title)}</h2>{self.body}{table}"
 
 

@@ -90,13 +90,13 @@ def make_page(chosen: dict[str, Maker], board: str, folder: Path, seed: int, qui
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Returns the exit status: 0, 1 where a bar is missed or a section failed, 130 when stopped."""
+    """Make the page; returns the exit status: 0, 1 where a bar is missed or a section failed, 130 when stopped."""
     known = MAKERS
     parser = argparse.ArgumentParser(prog="python -m signum.reproduce", description="The paper's figures and tables.")
     parser.add_argument("--board", choices=BOARDS, default="golden")
     parser.add_argument("--out", type=Path, default=Path("out/reproduce"), help="folder; made if missing")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--quick", action="store_true", help="a short version, for a look")
+    parser.add_argument("--quick", action="store_true", help="a short version of a few minutes")
     parser.add_argument("--only", action="append", choices=tuple(known), metavar="NAME",
                         help=f"make only this section; may be repeated; one of {', '.join(known)}")
     options = parser.parse_args(argv)

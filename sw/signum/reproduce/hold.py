@@ -1,4 +1,4 @@
-"""Station keeping (equations 2 to 7): ten minutes in a current with surge, blinded and pushed away on the way."""
+"""Station keeping (equations 2 to 7): ten minutes in a current with surge, a blocked view, a push out of view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command as a user meets it: what is written, what is said, what is left behind when it stops half-way."""
+"""The command line: what is written and printed, and what remains after an error or an interrupt."""
 
 import csv
 import re

@@ -1,4 +1,4 @@
-"""`signum hold`, `follow` and `simulate` as a user meets them; and the closed loops alike on both boards."""
+"""`signum hold`, `follow` and `simulate` on the command line; the closed loops are identical on both boards."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def test_simulate_every_kind_as_video(kind: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("what", ["hold", *Where])
 def test_closed_loops_are_alike_on_both_boards(what: str) -> None:
-    """The same seed flies the same way to the last bit, as every measurement is the same."""
+    """The same seed gives the same path to the last bit, as every measurement is the same."""
     flown = []
     for kind in (GoldenBoard, VerilatedBoard):
         with kind(FULL) as board:

@@ -1,4 +1,4 @@
-"""The page: short versions of all it is made of, and what becomes of it when a part fails or misses its bar."""
+"""The page: a short version of each section, and the outcome when a section fails or misses its bar."""
 
 import csv
 from pathlib import Path
