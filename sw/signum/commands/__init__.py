@@ -1,1 +1,1 @@
-"""The commands of `signum`, one a file; each adds itself to `common.app`."""
+"""The commands of `signum`, one a file; each adds itself to `app.app`."""

@@ -7,7 +7,7 @@ import sys
 
 import typer
 
-from signum.commands.common import app
+from signum.commands.app import app
 
 COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate", "stereo",
             "track")
@@ -15,14 +15,14 @@ COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navig
 
 
 def application(*commands: str) -> typer.Typer:
-    """The application with these commands, by default all; each brings libraries that take their time to load."""
+    """The application with these commands, by default all; loading few is faster, as each imports its libraries."""
     for name in commands or COMMANDS:
         importlib.import_module(f"signum.commands.{name}")
     return app
 
 
 def main() -> None:
-    """Entry point."""
+    """Run the command line."""
     asked = [name for name in sys.argv[1:2] if name in COMMANDS]
     try:
         application(*asked)()

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from signum.commands.common import BoardName, BoardOption, OutOption, SigmaOption, WindowOption, app, board_of, guarded
+from signum.commands.app import command
+from signum.commands.options import BoardName, BoardOptions, OutOption
+from signum.commands.session import board_of
 from signum.common.console import out, progress
 
+BOARD_DEFAULTS = BoardOptions(BoardName.verilated, window=48)
 
-@app.command()
-@guarded
-def demo(
-    output: OutOption = Path("out/demo"),
-    board: BoardOption = BoardName.verilated,
-    sigma: SigmaOption = 2.0,
-    window: WindowOption = 48,
-) -> None:
+
+@command()
+def demo(output: OutOption = Path("out/demo"), board: BoardOptions = BOARD_DEFAULTS) -> None:
     """A simulated flight over gravel: tracks, builds a mosaic, holds station; `mosaic.png`, `track.csv`, `report.html`.
 
     Example: `signum demo --board golden --out out/demo`
     """
     from signum.demo.fly import run_demo  # plots: not needed by the other commands
 
-    with board_of(board, window) as b:
-        report = run_demo(b, output, sigma, window, progress)
+    with board_of(board.board, board.window) as opened:
+        report = run_demo(opened, output, board.sigma, board.window, progress)
     out.print(f"{report}: open it in a browser")

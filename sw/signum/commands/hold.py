@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from contextlib import ExitStack
-from dataclasses import replace
-from itertools import chain, islice
+from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import Annotated
 
@@ -20,174 +19,205 @@ from signum.applications.hold.record import HoldRecord
 from signum.applications.hold.simulate import SURGE, Scenario, judge_rows
 from signum.applications.hold.simulate import hold as fly
 from signum.applications.hold.watch import watch
-from signum.boards.board import Board
-from signum.commands.common import (
-    BoardName,
-    BoardOption,
+from signum.commands.app import command
+from signum.commands.options import (
+    SIMULATION,
+    SOURCE,
+    BoardOptions,
     CalibrationOption,
     OutOption,
-    SigmaOption,
-    WindowOption,
-    app,
-    board_of,
-    clocks_line,
-    fit_to,
-    guarded,
+    SecondsOption,
+    SeedOption,
 )
-from signum.common.console import notes, out, progress
+from signum.commands.session import Session
+from signum.common.console import notes, out
 from signum.common.errors import SignumError
 from signum.frames.frame import Source
 from signum.geometry.calibration import read_mono
-from signum.measure.measurer import Measurer
 from signum.report.page import write_page
 from signum.sources.files import VideoSource
-from signum.sources.open import open_source
 from signum.world.vehicle import Current
 from signum.world.water import PAPER
 
+BOARD_DEFAULTS = BoardOptions()
 GUESS_M = 2.0
+"""Range of a source where none is given, metres."""
 FRAME_RATE = 10.0
+"""Frames per second of a source where none are known."""
 VIEW = 400 / 384
 """Focal length per picture width where none is given: about 51 degrees across, a common lens under water."""
+BLIND_S = 3.0
+"""Seconds for which the simulated view is blocked, or the simulated vehicle pushed."""
 
 
-class Beat:
-    """Keeps step with real time: a MAVLink receiver judges messages by when they come."""
+@dataclass(frozen=True)
+class HoldSource:
+    """Frames from elsewhere that are measured instead of the simulated world."""
 
-    def __init__(self) -> None:
-        self._start = time.monotonic()
+    source: Annotated[str | None, typer.Option(
+        "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames to measure "
+        "instead: video, folder of pictures, .npy array, camera number.")] = None
+    calibration: CalibrationOption = None
+    focal: Annotated[float | None, typer.Option(
+        "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",
+        help="Focal length in pixels of the source's frames.")] = None
+    rate: Annotated[float | None, typer.Option(
+        "--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0, show_default="the video's own, else 10",
+        help="Frames per second of the source.")] = None
 
-    def wait(self, moment: float) -> None:
-        """Sleep until `moment` seconds after the start."""
-        time.sleep(max(0.0, self._start + moment - time.monotonic()))
+
+@dataclass(frozen=True)
+class HoldWorld:
+    """The simulated world."""
+
+    seed: SeedOption = 0
+    altitude: Annotated[float, typer.Option("--altitude", rich_help_panel=SIMULATION, min=0.5, max=8.0,
+                                            help="Height over the floor, metres.")] = 2.0
+    current: Annotated[float, typer.Option("--current", rich_help_panel=SIMULATION, min=0.0, max=1.0,
+                                           help="Current, m/s; its surge grows with it.")] = 0.2
+    snow: Annotated[int, typer.Option("--snow", rich_help_panel=SIMULATION, min=0, max=5000,
+                                      help="Snow flakes in view.")] = 250
+    occluded: Annotated[float | None, typer.Option(
+        "--occluded", rich_help_panel=SIMULATION, min=1.0, show_default="never",
+        help="Second at which the view is blocked for 3 s.")] = None
+    shoved: Annotated[float | None, typer.Option(
+        "--shoved", rich_help_panel=SIMULATION, min=1.0, show_default="never",
+        help="Second at which the vehicle is pushed out of sight of its station.")] = None
+    pan_tilt: Annotated[bool, typer.Option(
+        "--pan-tilt", rich_help_panel=SIMULATION, help="The camera is on a pan/tilt that keeps it pointed at the "
+        "station.")] = False
+
+    def scenario(self, seconds: float, range_m: float | None) -> Scenario:
+        """What is simulated; `range_m` is taken for the range, or measured by stereo if None."""
+        k = self.current / SURGE.steady[0]
+        current = Current((self.current, 0.0), tuple(k * s for s in SURGE.surge), SURGE.period)  # type: ignore[arg-type]
+        occluded, shoved = ((at, at + BLIND_S) if at else None for at in (self.occluded, self.shoved))
+        return Scenario(seconds=seconds, range_m=self.altitude, guess_m=range_m, head=self.pan_tilt, seed=self.seed,
+                        current=current, water=replace(PAPER, snow=self.snow), occluded=occluded, shoved=shoved)
 
 
-@app.command()
-@guarded
+NO_SOURCE, WORLD_DEFAULTS = HoldSource(), HoldWorld()
+
+
+@command()
 def hold(
-    source: Annotated[str | None, typer.Option("--source", show_default="simulated world",
-                                               help="Recorded or live frames to measure instead: video, folder of "
-                                               "pictures, .npy array, camera number.")] = None,
+    recorded: HoldSource = NO_SOURCE,
     output: OutOption = Path("out/hold"),
-    seconds: Annotated[float | None, typer.Option("--seconds", min=1.0, show_default="60; a source's whole length",
-                                                  help="Length of the run.")] = None,
+    seconds: SecondsOption = None,
     range_m: Annotated[float | None, typer.Option(
         "--range", min=0.1, show_default="measured by stereo in simulation; 2.0 for a source",
-        help="Range taken for true, metres: a guess scales the offsets.")] = None,
-    focal: Annotated[float | None, typer.Option("--focal", min=1.0, show_default="of --calibration, or 1.04 widths",
-                                                help="Focal length in pixels of the source's frames.")] = None,
-    calibration: CalibrationOption = None,
-    rate: Annotated[float | None, typer.Option("--rate", min=0.1, max=1000.0, show_default="the video's own, else 10",
-                                               help="Frames per second of the source.")] = None,
+        help="Range at the start that the measurements assume, metres: the offsets scale with it.")] = None,
     mavlink: Annotated[str | None, typer.Option("--mavlink", help="Send VISION_POSITION_DELTA at 10 Hz, in real time, "
                                                 "to udpout:HOST:PORT.", show_default=False)] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the simulated world.")] = 0,
-    altitude: Annotated[float, typer.Option("--altitude", min=0.5, max=8.0, help="Simulated height, metres.")] = 2.0,
-    current: Annotated[float, typer.Option("--current", min=0.0, max=1.0,
-                                           help="Simulated current, m/s; surge comes with it.")] = 0.2,
-    snow: Annotated[int, typer.Option("--snow", min=0, max=5000, help="Simulated snow flakes in view.")] = 250,
-    occluded: Annotated[float | None, typer.Option("--occluded", min=1.0, show_default="never",
-                                                   help="Second at which the view is blocked for 3 s.")] = None,
-    shoved: Annotated[float | None, typer.Option("--shoved", min=1.0, show_default="never",
-                                                 help="Second at which the vehicle is pushed out of sight.")] = None,
-    pan_tilt: Annotated[bool, typer.Option("--pan-tilt", help="Simulated camera on a pan/tilt that keeps looking at "
-                                           "the station.")] = False,
-    sigma: SigmaOption = 2.0,
-    window: WindowOption = 64,
-    board: BoardOption = BoardName.golden,
+    board: BoardOptions = BOARD_DEFAULTS,
+    simulation: HoldWorld = WORLD_DEFAULTS,
 ) -> None:
     """Station keeping against the first picture: `hold.csv` and `report.html`. A simulated vehicle in closed loop, or
     with `--source` the same measurements on frames of your own.
 
     Example: `signum hold --source dive.mp4 --range 1.5 --mavlink udpout:127.0.0.1:14550`
     """
-    with ExitStack() as stack:
-        sink = stack.enter_context(MavlinkSink(mavlink)) if mavlink else None
-        b = stack.enter_context(board_of(board, window))
-        output.mkdir(parents=True, exist_ok=True)
-        if source is not None:
-            _measure(b, source, output, seconds, range_m, focal, calibration, rate, sink, sigma, window)
+    if recorded.source is None and (board.window != BOARD_DEFAULTS.window or recorded.focal or recorded.calibration
+                                    or recorded.rate):
+        raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
+    with Session(board, output, recorded.source, recorded.calibration) as run:
+        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink else None)
+        if recorded.source is not None:
+            _measure(run, recorded, seconds, range_m, autopilot)
         else:
-            if window != 64 or focal or calibration or rate:
-                raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
-            k = current / SURGE.steady[0]
-            scenario = Scenario(
-                seconds=seconds or 60.0, range_m=altitude, guess_m=range_m, head=pan_tilt, seed=seed,
-                current=Current((current, 0.0), tuple(k * s for s in SURGE.surge), SURGE.period),  # type: ignore[arg-type]
-                water=replace(PAPER, snow=snow), occluded=(occluded, occluded + 3) if occluded else None,
-                shoved=(shoved, shoved + 3) if shoved else None)
-            _fly(b, scenario, output, sink, sigma)
+            _fly(run, simulation.scenario(seconds or 60.0, range_m), autopilot)
 
 
-def _fly(board: Board, scenario: Scenario, output: Path, sink: MavlinkSink | None, sigma: float) -> None:
+class Autopilot:
+    """Where readings are sent, if anywhere, in step with real time: a MAVLink receiver uses the times of arrival."""
+
+    def __init__(self, sink: MavlinkSink | None) -> None:
+        self._sink, self._start = sink, time.monotonic()
+
+    def send(self, moment: float, reading: Reading) -> None:
+        """Send the reading of `moment` seconds, once so many seconds have passed since the start."""
+        if self._sink is not None:
+            time.sleep(max(0.0, self._start + moment - time.monotonic()))
+            self._sink.send(moment, reading)
+
+    @property
+    def said(self) -> str:
+        """How many messages were sent, for the line on the outcome."""
+        return f", {self._sink.sent} MAVLink messages" if self._sink else ""
+
+
+def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
     """The closed loop."""
-    record, rows = HoldRecord(output, truth=True, often=max(10.0, scenario.seconds / 4)), []
-    beat, total = Beat(), round(scenario.seconds * scenario.rate)
+    record = _record(run, True, max(10.0, scenario.seconds / 4), autopilot)
+    rows: list[tuple[float, ...]] = []
+
+    def report() -> None:
+        about = (f"A simulated vehicle {scenario.range_m:g} m above the floor, current "
+                 f"{scenario.current.steady[0]:g} m/s with surge, {scenario.water.snow} snow flakes in view, light "
+                 f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
+        figures = judge_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
+        bars = hold_bars(figures)
+        write_page(run.output / "report.html", "Station keeping",
+                   [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)])
+        for bar in bars:
+            out.print(str(bar), markup=False)
+
     out.print(f"seed {scenario.seed}")
-    try:
-        with progress("holding", total) as tell:
-            for k, m in enumerate(fly(lambda size: Measurer(board, size, sigma), scenario)):
-                record.add(str(k), m.time, m.reading, m.frame, m.features,
-                           truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
-                rows.append(m.row)
-                _send(sink, beat, m.time, m.reading)
-                tell(_word(m.reading))
-    finally:
-        record.close()
-        if rows:
-            about = (f"A simulated vehicle {scenario.range_m:g} m above the floor, current "
-                     f"{scenario.current.steady[0]:g} m/s with surge, {scenario.water.snow} snow flakes in view, light "
-                     f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
-            figures = judge_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
-            bars = hold_bars(figures)
-            write_page(output / "report.html", "Station keeping",
-                       [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)])
-            for bar in bars:
-                out.print(str(bar), markup=False)
-    notes.print(clocks_line(board, total))
-    _done(output, record, sink)
+    for k, m in enumerate(run.steps("holding", fly(run.measurer, scenario), round(scenario.seconds * scenario.rate))):
+        record.add(str(k), m.time, m.reading, m.frame, m.features,
+                   truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
+        rows.append(m.row)
+        run.report = report
+        autopilot.send(m.time, m.reading)
+        run.tell(_word(m.reading))
 
 
-def _measure(board: Board, source: str, output: Path, seconds: float | None, range_m: float | None,
-             focal: float | None, calibration: Path | None, rate: float | None, sink: MavlinkSink | None, sigma: float,
-             window: int) -> None:
+def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m: float | None,
+             autopilot: Autopilot) -> None:
     """Open loop, on frames from elsewhere."""
-    frames = open_source(source, calibration)
-    rate = rate or _rate_of(source, frames)
-    pictures = iter(frames)
-    first = next(pictures)
-    fit = fit_to(first, board, window, frames)
+    frames, fit = run.source, run.fit
+    rate = recorded.rate or _rate_of(str(recorded.source), frames)
+    focal = recorded.focal
+    if focal is None and recorded.calibration is not None:
+        focal = float(read_mono(recorded.calibration)[0][0, 0])
     if focal is None:
-        focal = float(read_mono(calibration)[0][0, 0]) if calibration else VIEW * first.size[0]
-        if calibration is None:
-            notes.print(f"no --focal or --calibration: taking {focal:.0f} px; metres scale with it")
+        focal = VIEW * fit.source[0]
+        notes.print(f"no --focal or --calibration: taking {focal:.0f} px; metres scale with it")
     if range_m is None:
         range_m = GUESS_M
         notes.print(f"no --range: taking {range_m:g} m; metres scale with it")
     total = frames.count
     if seconds is not None:
         total = min(round(seconds * rate), total or round(seconds * rate))
-    record = HoldRecord(output, truth=False, often=max(2.0, (total or 600) / rate / 6))
-    beat = Beat()
-    pictures = islice(chain([first], pictures), total if seconds is not None else None)
-    try:
-        with progress("measuring", total) as tell:
-            for seen in watch(Measurer(board, fit.board, sigma), pictures, fit, focal, range_m, rate, window):
-                record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
-                _send(sink, beat, seen.time, seen.reading)
-                tell(_word(seen.reading))
-    finally:
-        record.close()
-        if record.rows:
-            about = (f"{frames.label} against its first frame; {rate:g} frames a second, focal length {focal:.0f} px, "
-                     f"range {range_m:g} m at the start.")
-            write_page(output / "report.html", "Station keeping",
-                       [hold_section("Station keeping, open loop", about, record.series, record.shots)])
-    notes.print(clocks_line(board, len(record.rows)))
-    _done(output, record, sink)
+    record = _record(run, False, max(2.0, (total or 600) / rate / 6), autopilot)
+    about = (f"{frames.label} against its first frame; {rate:g} frames a second, focal length {focal:.0f} px, "
+             f"range {range_m:g} m at the start.")
+
+    def report() -> None:
+        write_page(run.output / "report.html", "Station keeping",
+                   [hold_section("Station keeping, open loop", about, record.series, record.shots)])
+
+    pictures = islice(run.frames(), total if seconds is not None else None)
+    window = run.chosen.window
+    seen_ones = watch(run.measurer(fit.board), pictures, fit, focal, range_m, rate, window)
+    for seen in run.steps("measuring", seen_ones, total):
+        record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
+        run.report = report
+        autopilot.send(seen.time, seen.reading)
+        run.tell(_word(seen.reading))
+
+
+def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> HoldRecord:
+    """The record of a run, closed with it, and the line on its outcome."""
+    record = HoldRecord(run.output, truth, often)
+    run.at_end(record.close)
+    run.summary = lambda: (f"{run.folder / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading"
+                           f"{autopilot.said}; {run.folder / 'report.html'}")
+    return record
 
 
 def _rate_of(source: str, frames: Source) -> float:
+    """Frames per second: a video's own, else `FRAME_RATE`."""
     if not isinstance(frames, VideoSource):
         return FRAME_RATE
     capture = cv2.VideoCapture(source)
@@ -196,17 +226,6 @@ def _rate_of(source: str, frames: Source) -> float:
     return found if 0.1 <= found <= 1000 else FRAME_RATE
 
 
-def _send(sink: MavlinkSink | None, beat: Beat, moment: float, reading: Reading) -> None:
-    if sink is not None:
-        beat.wait(moment)
-        sink.send(moment, reading)
-
-
 def _word(r: Reading) -> str:
+    """A reading for the progress line."""
     return f"{100 * r.forward:+.1f}, {100 * r.right:+.1f} cm, confidence {r.confidence}" if r.valid else "confidence 0"
-
-
-def _done(output: Path, record: HoldRecord, sink: MavlinkSink | None) -> None:
-    sent = f", {sink.sent} MAVLink messages" if sink else ""
-    out.print(f"{output / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading{sent}; "
-              f"{output / 'report.html'}")

@@ -6,25 +6,24 @@ from dataclasses import asdict
 
 from rich.table import Table as Grid
 
-from signum.commands.common import BoardName, BoardOption, SigmaOption, WindowOption, app, board_of, guarded
+from signum.commands.app import command
+from signum.commands.options import BoardOptions
+from signum.commands.session import board_of
 from signum.common.console import out
 
+BOARD_DEFAULTS = BoardOptions(sigma=2.5)
 
-@app.command()
-@guarded
-def info(
-    board: BoardOption = BoardName.golden,
-    sigma: SigmaOption = 2.5,
-    window: WindowOption = 64,
-) -> None:
+
+@command()
+def info(board: BoardOptions = BOARD_DEFAULTS) -> None:
     """The board's identification, configuration and counters.
 
     Example: `signum info --board verilated`
     """
-    with board_of(board, window) as b:
+    with board_of(board.board, board.window) as opened:
         grid = Grid(show_header=False, box=None)
-        build = {name: value for name, value in asdict(b.config).items() if name != "name"}
-        about = asdict(b.identification) | build | {"lanes": b.config.lanes}
-        for name, value in (about | b.counters()).items():
+        build = {name: value for name, value in asdict(opened.config).items() if name != "name"}
+        about = asdict(opened.identification) | build | {"lanes": opened.config.lanes}
+        for name, value in (about | opened.counters()).items():
             grid.add_row(name, str(value))
         out.print(grid)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -17,34 +18,22 @@ from signum.applications.mosaic.settings import CURVED, SurveySettings
 from signum.applications.mosaic.shelf import Shelf, SurveyRun
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
-from signum.commands.common import (
-    BoardName,
-    BoardOption,
-    CalibrationOption,
-    OutOption,
-    SigmaOption,
-    WindowOption,
-    app,
-    board_of,
-    clocks_line,
-    fit_to,
-    guarded,
-    write_report,
-)
+from signum.commands.app import command
+from signum.commands.options import BoardOptions, CalibrationOption, OutOption
+from signum.commands.session import Session
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
-from signum.frames.frame import Frame, Source
 from signum.geometry.calibration import read_mono
-from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
-from signum.sources.open import open_source
 from signum.tables.table import Table
 
 LIVE_EVERY = 2.0
-"""Seconds between two looks at the growing mosaic."""
+"""Seconds between two pictures of the growing mosaic."""
+BOARD_DEFAULTS = BoardOptions(sigma=2.5)
+GROUND = "Scale and place on the ground"
 
 
-class Columns(StrEnum):
+class TrackKind(StrEnum):
     """How a survey was flown."""
 
     auto = "auto"
@@ -52,115 +41,119 @@ class Columns(StrEnum):
     turned = "turned"
 
 
-@app.command()
-@guarded
+@dataclass(frozen=True)
+class GroundOptions:
+    """How the mosaic finds its scale and its place on the ground."""
+
+    range_m: Annotated[float | None, typer.Option(
+        "--range", rich_help_panel=GROUND, min=0.01, help="Metres from camera to seabed at the first frame: gives the "
+        "mosaic a scale; needs --focal or --calibration.")] = None
+    focal: Annotated[float | None, typer.Option(
+        "--focal", rich_help_panel=GROUND, min=1.0, help="Focal length, pixels of the frames.")] = None
+    navigation: Annotated[Path | None, typer.Option(
+        "--navigation", rich_help_panel=GROUND, help="CSV with frame, east_m, north_m: the mosaic is laid north up on "
+        "the ground.")] = None
+    epsg: Annotated[int, typer.Option(
+        "--epsg", rich_help_panel=GROUND, min=0, max=65535, help="EPSG code of the projected coordinates of "
+        "--navigation, e.g. 32755.")] = 0
+
+    def placing(self, calibration: Path | None, label: str
+                ) -> Callable[[list[Pose], tuple[float, float]], Georeference | None] | None:
+        """How a component of the mosaic is placed on the ground; None where nothing is known.
+
+        Raises:
+            SignumError: for a range without a focal length.
+        """
+        if self.navigation is not None:
+            log = read_track(self.navigation, label)
+            return lambda poses, _: ground_by_log(poses, log, self.epsg)
+        if self.range_m is None:
+            return None
+        focal = self.focal
+        if focal is None:
+            if calibration is None:
+                raise SignumError("--range needs the camera's focal length: add --focal (pixels) or --calibration")
+            focal = float(read_mono(calibration)[0][0, 0])
+        return partial(_scaled, self.range_m, focal)
+
+
+GROUND_DEFAULTS = GroundOptions()
+
+
+@command()
 def mosaic(
     source: Annotated[str, typer.Argument(help="Folder of overlapping pictures, video, ROS bag, .npy array or camera "
                                           "number.", show_default=False)],
-    output: OutOption = Path("out/mosaic"),
-    sigma: SigmaOption = 2.5,
-    window: WindowOption = 64,
-    board: BoardOption = BoardName.golden,
     calibration: CalibrationOption = None,
-    columns: Annotated[Columns, typer.Option(
+    output: OutOption = Path("out/mosaic"),
+    board: BoardOptions = BOARD_DEFAULTS,
+    ground: GroundOptions = GROUND_DEFAULTS,
+    columns: Annotated[TrackKind, typer.Option(
         "--columns", help="auto: any track, all neighbours linked and placed by least squares; single: each frame "
         "against the one before only; turned: the camera turned in place, loops bend and are made to close.")
-                       ] = Columns.auto,
-    range_m: Annotated[float | None, typer.Option(
-        "--range", min=0.01, help="Metres from camera to seabed at the first frame: the mosaic gets a scale; needs "
-        "--focal or --calibration.")] = None,
-    focal: Annotated[float | None, typer.Option("--focal", min=1.0, help="Focal length, pixels of the frames.")] = None,
-    navigation: Annotated[Path | None, typer.Option(
-        "--navigation", help="CSV with frame, east_m, north_m: the mosaic is laid north up on the ground.")] = None,
-    epsg: Annotated[int, typer.Option("--epsg", min=0, max=65535, help="EPSG code of the log's projected coordinates, "
-                                      "e.g. 32755.")] = 0,
+                       ] = TrackKind.auto,
     truth: Annotated[Path | None, typer.Option(
         "--truth", help="CSV with frame and east_m, north_m (or x_px, y_px), and heading_deg if known: errors of the "
         "poses go to accuracy.csv.")] = None,
     resume: Annotated[bool | None, typer.Option(
-        "--resume/--anew", help="Go on with the survey in --out, or start it anew. By default an interrupted one of "
-        "the same source is gone on with.", show_default=False)] = None,
+        "--resume/--anew", help="Continue the survey in --out, or start it anew. By default an interrupted survey of "
+        "the same source is continued.", show_default=False)] = None,
     live: Annotated[bool, typer.Option("--live/--no-live", help="Write mosaic.png every few seconds as it grows.")
                     ] = True,
 ) -> None:
     """Mosaic of a survey, whatever its track: `mosaic.png`, `poses.csv`, `edges.csv`, `report.html`, and with a scale
-    `mosaic.tif`. It grows while frames come; stopped, it goes on where it was when called again.
+    `mosaic.tif`. It grows while frames come; after an interrupt the same call continues it.
 
     Example: `signum mosaic survey/ --out out/mosaic`
     """
-    frames = open_source(source, calibration)
-    known = None if truth is None else read_track(truth, frames.label)
-    ground = _ground(range_m, focal, calibration, None if navigation is None else read_track(navigation, frames.label),
-                     epsg)
-    survey: Survey | None = None
-    settings = CURVED if columns is Columns.turned else SurveySettings(loops=columns is Columns.auto)
-    every = LIVE_EVERY if live else float("inf")
-    done = 0
-    with board_of(board, window) as b:
-        def measurer(size: tuple[int, int], wide: float) -> Measurer:
-            return Measurer(b, size, wide)
-
-        finished = False
-        try:
-            with progress("mosaic", frames.count) as tell:
-                for frame in frames:
-                    if survey is None:
-                        fit = fit_to(frame, b, window, frames)
-                        survey = Survey(Registrar.on(measurer, fit, window, sigma), output, not frames.snapshots,
-                                        settings, frames.label, _resumes(resume, output, frames, frame, window, sigma,
-                                                                         settings), every)
-                        survey.ground = ground
-                    tell(survey.add(frame))
-                    done += 1
-            assert survey is not None
-            survey.settle()
-            with progress("neighbours", None) as tell:
-                for said in survey.finish():
-                    tell(said)
-            finished = True
-        finally:
-            if survey is not None:
-                if done > 1:
-                    notes.print("blending the mosaic")
-                survey.close(finished)
-                if known is not None and finished:
-                    _judge(survey, known)
-                write_report(output)
-        notes.print(clocks_line(b, done))
-    _tell(survey, done, known is not None)
-    if survey.trouble:
-        raise SignumError(survey.trouble)
+    settings = CURVED if columns is TrackKind.turned else SurveySettings(loops=columns is TrackKind.auto)
+    session = Session(board, output, source, calibration)
+    known = None if truth is None else read_track(truth, session.source.label)
+    placing = ground.placing(calibration, session.source.label)
+    with session as run:
+        survey = Survey(Registrar.on(run.measurer, run.fit, board.window, board.sigma), output,
+                        not run.source.snapshots, settings, run.source.label, _resumes(resume, run, settings),
+                        LIVE_EVERY if live else float("inf"))
+        survey.results.ground = placing
+        _grow(run, survey, known)
+    if survey.results.trouble:
+        raise SignumError(survey.results.trouble)
 
 
-def _resumes(asked: bool | None, output: Path, frames: Source, frame: Frame, window: int, sigma: float,
-             settings: SurveySettings) -> bool:
-    """Whether to go on with what is in the folder."""
+def _grow(run: Session, survey: Survey, known: Track | None) -> None:
+    """All frames, then all neighbours; what was placed is blended and reported, also after an error or an interrupt."""
+    finished = False
+
+    def close() -> None:
+        if run.done > 1:
+            notes.print("blending the mosaic")
+        survey.close(finished)
+        if known is not None and finished:
+            _judge(survey, known)
+
+    run.at_end(close)
+    run.report = run.report_folder
+    run.summary = lambda: _outcome(survey, run.done, finished and known is not None)
+    for frame in run.steps("mosaic", run.frames(), run.source.count):
+        run.tell(survey.add(frame))
+    survey.settle()
+    with progress("neighbours", None) as tell:
+        for said in survey.finish():
+            tell(said)
+    finished = True
+
+
+def _resumes(asked: bool | None, run: Session, settings: SurveySettings) -> bool:
+    """Whether to continue the survey in the folder."""
     if asked is not None:
         return asked
-    before = Shelf(output).described()
-    run = SurveyRun(frames.label, frame.size, not frames.snapshots, window, sigma, settings.columns)
-    if before is None or before[1] or before[0] != run:
+    before = Shelf(run.folder).described()
+    here = SurveyRun(run.source.label, run.fit.source, not run.source.snapshots, run.chosen.window, run.chosen.sigma,
+                     settings.columns)
+    if before is None or before[1] or before[0] != here:
         return False
-    notes.print(f"{output}: going on with the survey interrupted there; --anew starts it again")
+    notes.print(f"{run.folder}: going on with the survey interrupted there; --anew starts it again")
     return True
-
-
-def _ground(range_m: float | None, focal: float | None, calibration: Path | None, log: Track | None,
-            epsg: int) -> Callable[[list[Pose], tuple[float, float]], Georeference | None] | None:
-    """How a piece finds its place on the ground.
-
-    Raises:
-        SignumError: for a range without a focal length.
-    """
-    if log is not None:
-        return lambda poses, _: ground_by_log(poses, log, epsg)
-    if range_m is None:
-        return None
-    if focal is None:
-        if calibration is None:
-            raise SignumError("--range needs the camera's focal length: add --focal (pixels) or --calibration")
-        focal = float(read_mono(calibration)[0][0, 0])
-    return partial(_scaled, range_m, focal)
 
 
 def _scaled(range_m: float, focal: float, poses: list[Pose], centre: tuple[float, float]) -> Georeference:
@@ -168,12 +161,12 @@ def _scaled(range_m: float, focal: float, poses: list[Pose], centre: tuple[float
 
 
 def _judge(survey: Survey, truth: Track) -> None:
-    """Write `accuracy.csv`: of the largest piece, by the ways its frames can be placed."""
+    """Write `accuracy.csv`: errors of the largest component, by the ways its frames can be placed."""
     piece = survey.ranked()[0]
     table = Table(survey.out / "accuracy.csv", ACCURACY)
     try:
         for way, place in WAYS.items():
-            poses = place(survey, piece)
+            poses = place(survey.ledger, piece)
             if poses:
                 table_rows = accuracy_rows(way, pose_errors(poses, truth), truth.unit)
                 for line in table_rows:
@@ -185,18 +178,17 @@ def _judge(survey: Survey, truth: Track) -> None:
         table.close()
 
 
-def _tell(survey: Survey, done: int, judged: bool) -> None:
-    """The outcome on the terminal."""
+def _outcome(survey: Survey, done: int, judged: bool) -> str:
+    """The outcome for the terminal: what was refused, and a line a file."""
     chained = [edge for edge in survey.edges if edge.kind in ("sequence", "live")]
     others = [edge for edge in survey.edges if edge.kind not in ("sequence", "live")]
-    for edge in chained:
-        if not edge.accepted:
-            out.print(f"refused: {edge.frame_a} to {edge.frame_b} ({edge.reason})")
+    lines = [f"refused: {edge.frame_a} to {edge.frame_b} ({edge.reason})" for edge in chained if not edge.accepted]
     if len(survey.pieces) > 1:
-        out.print(f"the chain broke: {len(survey.pieces)} pieces, of which mosaic.png and poses.csv are the largest")
+        lines.append(f"the chain broke: {len(survey.pieces)} pieces, of which mosaic.png and poses.csv are the largest")
     stored = {edge.frame_b for edge in chained if edge.accepted and edge.kind == "sequence"}
     chained = [edge for edge in chained if edge.kind == "sequence" or edge.frame_b not in stored]
-    out.print(f"{survey.out / 'mosaic.png'}: {done} frames, {sum(k.accepted for k in chained)} of {len(chained)} edges "
-              f"accepted" + (f", {sum(k.accepted for k in others)} of {len(others)} across" if others else ""))
+    lines.append(f"{survey.out / 'mosaic.png'}: {done} frames, {sum(k.accepted for k in chained)} of {len(chained)} "
+                 f"edges accepted" + (f", {sum(k.accepted for k in others)} of {len(others)} across" if others else ""))
     if judged:
-        out.print(f"{survey.out / 'accuracy.csv'}: errors against the truth")
+        lines.append(f"{survey.out / 'accuracy.csv'}: errors against the truth")
+    return "\n".join(lines)

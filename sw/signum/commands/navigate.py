@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Annotated
@@ -15,93 +17,95 @@ from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
 from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
 from signum.applications.navigate.pilot import Aim, Pilot
-from signum.boards.board import Board
-from signum.commands.common import (
-    BoardName,
-    BoardOption,
-    CalibrationOption,
-    OutOption,
-    SigmaOption,
-    WindowOption,
-    app,
-    board_of,
-    clocks_line,
-    fit_to,
-    guarded,
-    write_report,
-)
+from signum.commands.app import command
+from signum.commands.options import SIMULATION, BoardOptions, CalibrationOption, OutOption, SeedOption
+from signum.commands.session import Session
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.frames.fit import Fit
-from signum.measure.measurer import Measurer
-from signum.sources.open import open_source
 from signum.tables.schemas import GOTO, NAVIGATE
-from signum.tables.table import Table
+
+BOARD_DEFAULTS = BoardOptions()
+SEARCH = "Search"
+SIMULATED = "simulated.txt"
+"""File that marks a folder's mosaic as simulated, so that it may be overwritten."""
+EVERY = 30
+"""Frames between two pictures of the path so far."""
 
 
-class Simulated(StrEnum):
+class Carrier(StrEnum):
     """What carries a simulated camera."""
 
     pan_tilt = "pan-tilt"
     vehicle = "vehicle"
 
 
-SIMULATED = "simulated.txt"
-"""Marks a mosaic that may be simulated anew."""
-EVERY = 30
-"""Frames between two looks at how far it has come."""
+@dataclass(frozen=True)
+class SearchOptions:
+    """Where a frame is looked for in the mosaic."""
+
+    prior: Annotated[bool, typer.Option(
+        "--prior/--no-prior", rich_help_panel=SEARCH, help="Search first around the place of the frame before, or "
+        "everywhere each time.")] = True
+    any_heading: Annotated[bool, typer.Option(
+        "--any-heading", rich_help_panel=SEARCH, help="The camera may be turned by any angle against the mosaic.",
+    )] = False
 
 
-@app.command()
-@guarded
+@dataclass(frozen=True)
+class CarrierOptions:
+    """The simulated camera that is navigated instead of recorded frames."""
+
+    simulate: Annotated[Carrier | None, typer.Option(
+        "--simulate", rich_help_panel=SIMULATION, show_default=False, help="A simulated camera surveys its floor, is "
+        "moved somewhere else, and goes to the --goto place: on a pan/tilt, or on a vehicle in a current.")] = None
+    seed: SeedOption = 0
+
+
+SEARCH_DEFAULTS, NOT_SIMULATED = SearchOptions(), CarrierOptions()
+
+
+@command()
 def navigate(
     mosaic: Annotated[Path, typer.Argument(help="The --out folder of `signum mosaic`, or a picture of a mosaic. With "
-                                           "--simulate the folder the simulated survey's mosaic goes to.",
+                                           "--simulate the folder for the simulated survey's mosaic.",
                                            show_default=False)],
     source: Annotated[str | None, typer.Argument(help="Video, folder of pictures, ROS bag, .npy array or camera number "
                                                  "of the same camera.", show_default=False)] = None,
-    output: OutOption = Path("out/navigate"),
-    sigma: SigmaOption = 2.0,
-    window: WindowOption = 64,
-    board: BoardOption = BoardName.golden,
     calibration: CalibrationOption = None,
+    output: OutOption = Path("out/navigate"),
+    board: BoardOptions = BOARD_DEFAULTS,
     goto: Annotated[str | None, typer.Option("--goto", help="Where to look: X,Y in pixels of mosaic.png, or a name of "
-                                             "places.csv (name,x_px,y_px) beside it; goto.csv says where it is in each "
-                                             "frame.", show_default=False)] = None,
-    prior: Annotated[bool, typer.Option("--prior/--no-prior", help="Look where the frame before was found first, or "
-                                        "everywhere each time.")] = True,
-    any_heading: Annotated[bool, typer.Option("--any-heading", help="The camera may be turned any way against the "
-                                              "mosaic.")] = False,
-    simulate: Annotated[Simulated | None, typer.Option(
-        "--simulate", help="A simulated camera surveys its floor, is taken somewhere else, and goes --goto: on a "
-        "pan/tilt, or on a vehicle in a current.", show_default=False)] = None,
-    seed: Annotated[int, typer.Option("--seed", help="Of the simulated world.")] = 0,
+                                             "places.csv (name,x_px,y_px) beside it; goto.csv gives where it is in "
+                                             "each frame.", show_default=False)] = None,
+    search: SearchOptions = SEARCH_DEFAULTS,
+    simulation: CarrierOptions = NOT_SIMULATED,
 ) -> None:
     """Find frames in a finished mosaic: `navigate.csv`, `path.png`, `report.html`; or look at a place of it.
 
     Example: `signum navigate out/mosaic dive2.mp4 --goto 420,310 --out out/navigate`
     """
-    if (simulate is None) == (source is None):
+    if (simulation.simulate is None) == (source is None):
         raise SignumError("give a SOURCE of recorded frames, or --simulate pan-tilt (or vehicle)")
-    with board_of(board, window) as b:
-        if simulate is not None:
-            _simulated(b, simulate, mosaic, output, goto, seed)
+    with Session(board, output, source, calibration) as run:
+        if simulation.simulate is not None:
+            _simulated(run, simulation.simulate, simulation.seed, mosaic, goto)
         else:
-            limits = Limits(turns_deg=ANY_HEADING) if any_heading else Limits()
-            _recorded(b, Chart.load(mosaic), str(source), output, sigma, window, calibration, goto, prior, limits)
+            _recorded(run, Chart.load(mosaic), goto, search)
 
 
 class _Log:
-    """What is written of a run, frame by frame."""
+    """The tables and the picture of a run, written frame by frame, and the report at its end."""
 
-    def __init__(self, output: Path, chart: Chart, target: tuple[float, float] | None) -> None:
-        output.mkdir(parents=True, exist_ok=True)
-        self.output, self.chart, self.target = output, chart, target
-        self._table = Table(output / "navigate.csv", NAVIGATE)
-        (output / "goto.csv").unlink(missing_ok=True)
-        self._goto = Table(output / "goto.csv", GOTO) if target else None
+    def __init__(self, run: Session, chart: Chart, target: tuple[float, float] | None) -> None:
+        (run.output / "goto.csv").unlink(missing_ok=True)
+        self.chart, self.target = chart, target
+        self._run = run
+        self._table = run.table("navigate.csv", NAVIGATE)
+        self._goto = run.table("goto.csv", GOTO) if target else None
         self.places: list[Place] = []
         self._size = (0, 0)
+        run.at_end(self.draw)
 
     def write(self, frame: str, size: tuple[int, int], aim: Aim) -> None:
         """Take in a frame; `aim` is what was found of it."""
@@ -113,94 +117,78 @@ class _Log:
             self._goto.write([frame, *("" if not aim.known else f"{v:.2f}" for v in aim.error), int(aim.sharp)])
         self.places.append(place)
         self._size = size
+        self._run.report = self._run.report_folder
         if len(self.places) % EVERY == 0:
-            self.picture()
+            self.draw()
 
-    def picture(self) -> None:
-        """The mosaic with the way so far."""
-        centres = [p.centre for p in self.places]
-        last = self.places[-1].similarity if self.places else None
-        cv2.imwrite(str(self.output / "path.png"), draw_path(self.chart, centres, last, self._size, self.target))
-
-    def close(self) -> None:
-        """Finish the files, and report."""
-        self._table.close()
-        if self._goto is not None:
-            self._goto.close()
+    def draw(self) -> None:
+        """Write the mosaic with the path so far, if there is one."""
         if self.places:
-            self.picture()
-            write_report(self.output)
+            centres = [p.centre for p in self.places]
+            last = self.places[-1].similarity
+            shown = draw_path(self.chart, centres, last, self._size, self.target)
+            cv2.imwrite(str(self._run.output / "path.png"), shown)
 
 
-def _recorded(board: Board, chart: Chart, source: str, output: Path, sigma: float, window: int,
-              calibration: Path | None, goto: str | None, prior: bool, limits: Limits) -> None:
-    frames = open_source(source, calibration)
+def _recorded(run: Session, chart: Chart, goto: str | None, search: SearchOptions) -> None:
+    """Frames from elsewhere."""
     target = None if goto is None else chart.place(goto)
-    log = _Log(output, chart, target)
-    pilot: Pilot | None = None
-    try:
-        with progress("navigate", frames.count) as tell:
-            for frame in frames:
-                if pilot is None:
-                    fit = fit_to(frame, board, window, frames)
-                    pilot = Pilot(_localiser(board, fit, chart, window, sigma, limits), target, patience=0)
-                if not prior:
-                    pilot.forget()
-                aim = pilot.look(frame.picture)
-                log.write(frame.name, frame.size, aim)
-                tell(_said(aim))
-    finally:
-        log.close()
-    found = sum(p.known for p in log.places)
-    notes.print(clocks_line(board, len(log.places)))
-    out.print(f"{output / 'navigate.csv'}: {found} of {len(log.places)} frames found")
+    log = _Log(run, chart, target)
+    limits = Limits(turns_deg=ANY_HEADING) if search.any_heading else Limits()
+    pilot = Pilot(_localiser(run, run.fit, chart, run.chosen.window, run.chosen.sigma, limits), target, patience=0)
+    run.summary = lambda: (f"{run.folder / 'navigate.csv'}: {sum(p.known for p in log.places)} of {len(log.places)} "
+                           "frames found")
+    for frame in run.steps("navigate", run.frames(), run.source.count):
+        if not search.prior:
+            pilot.forget()
+        aim = pilot.look(frame.picture)
+        log.write(frame.name, frame.size, aim)
+        run.tell(_word(aim))
 
 
-def _simulated(board: Board, kind: Simulated, mosaic: Path, output: Path, goto: str | None, seed: int) -> None:
+def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: str | None) -> None:
+    """A survey by a simulated camera, then its way to the target."""
     from signum.applications.navigate.simulate import PanTiltSite, Scene, Step
     from signum.applications.navigate.truth import SIGMA, WINDOW
     from signum.applications.navigate.vehicle import Dive, VehicleSite
 
     if (mosaic / "mosaic.png").exists() and not (mosaic / SIMULATED).exists():
         raise SignumError(f"{mosaic}: holds a mosaic that was not simulated; give another folder for the simulated one")
-    site = PanTiltSite(Scene(seed=seed)) if kind is Simulated.pan_tilt else VehicleSite(Dive(seed=seed))
+    site = PanTiltSite(Scene(seed=seed)) if carrier is Carrier.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
-    (mosaic / SIMULATED).write_text(f"{kind}, seed {seed}\n", encoding="utf-8")
-    notes.print(f"simulated {kind}, seed {seed}")
+    (mosaic / SIMULATED).write_text(f"{carrier}, seed {seed}\n", encoding="utf-8")
+    notes.print(f"simulated {carrier}, seed {seed}")
     with progress("survey", None) as tell:
-        chart = site.survey(lambda s, wide: Measurer(board, s, wide), mosaic, tell)
+        chart = site.survey(run.measurer, mosaic, tell)
     if goto is None:
         out.print(f"{mosaic / 'mosaic.png'}: {chart.size[0]}x{chart.size[1]}; choose a place of it with --goto X,Y")
         return
-    target = chart.place(goto)
-    size = site.size
-    localiser = _localiser(board, Fit(size, size), chart, WINDOW, SIGMA, Limits())
+    target, size = chart.place(goto), site.size
+    localiser = _localiser(run, Fit(size, size), chart, WINDOW, SIGMA, Limits())
     rng = np.random.default_rng([seed, 22])
     way = (site.go(localiser, target, site.random_head(rng)) if isinstance(site, PanTiltSite)
            else site.go(localiser, target, site.random_start(rng)))
-    log, names = _Log(output, chart, target), count()
-    last: Step | None = None
-    try:
-        with progress("look at that", None) as tell:
-            for last in way:
-                log.write(str(next(names)), size, last.aim)
-                cv2.imwrite(str(output / "view.png"), last.frame)
-                tell(_said(last.aim))
-    finally:
-        log.close()
-    assert last is not None
-    notes.print(clocks_line(board, len(log.places)))
-    error, state = float(np.hypot(*last.truth)), "there" if last.aim.sharp else "not there"
-    out.print(f"{output / 'navigate.csv'}: {len(log.places)} frames, {state} after {last.time:.1f} s; in truth "
-              f"{error:.2f} px off, {100 * error / size[0]:.2f} % of the view")
+    log, names = _Log(run, chart, target), count()
+
+    def outcome(last: Step) -> str:
+        error, state = float(np.hypot(*last.truth)), "there" if last.aim.sharp else "not there"
+        return (f"{run.folder / 'navigate.csv'}: {len(log.places)} frames, {state} after {last.time:.1f} s; in truth "
+                f"{error:.2f} px off, {100 * error / size[0]:.2f} % of the view")
+
+    for step in run.steps("look at that", way, None):
+        log.write(str(next(names)), size, step.aim)
+        cv2.imwrite(str(run.output / "view.png"), step.frame)
+        run.summary = partial(outcome, step)
+        run.tell(_word(step.aim))
 
 
-def _localiser(board: Board, fit: Fit, chart: Chart, window: int, sigma: float, limits: Limits) -> Localiser:
-    largest = board.config.max_width, board.config.max_height
-    return Localiser(lambda size, wide: Measurer(board, size, wide), largest, fit, chart, window, sigma, limits)
+def _localiser(run: Session, fit: Fit, chart: Chart, window: int, sigma: float, limits: Limits) -> Localiser:
+    largest = run.board.config.max_width, run.board.config.max_height
+    return Localiser(run.measurer, largest, fit, chart, window, sigma, limits)
 
 
-def _said(aim: Aim) -> str:
+def _word(aim: Aim) -> str:
+    """A frame's outcome for the progress line."""
     if not aim.known:
         return f"not found: {aim.place.reason}"
     x, y = aim.place.centre

@@ -7,12 +7,11 @@ from typing import Annotated
 
 import typer
 
-from signum.commands.common import app, guarded, write_report
+from signum.commands.app import command
 from signum.common.console import out
 
 
-@app.command()
-@guarded
+@command()
 def report(
     folder: Annotated[Path, typer.Argument(help="The --out folder of an earlier command.", show_default=False)],
 ) -> None:
@@ -20,5 +19,7 @@ def report(
 
     Example: `signum report out/track`
     """
+    from signum.report.folder import write_report  # plots take seconds to load
+
     write_report(folder)
     out.print(f"{folder / 'report.html'}: open it in a browser")

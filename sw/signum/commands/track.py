@@ -8,86 +8,60 @@ from typing import Annotated
 import cv2
 import typer
 
-from signum.commands.common import (
-    BoardName,
-    BoardOption,
-    CalibrationOption,
-    OutOption,
-    SigmaOption,
-    WindowOption,
-    app,
-    board_of,
-    clocks_line,
-    fit_to,
-    guarded,
-    write_report,
-)
-from signum.common.console import notes, out, progress
-from signum.frames.frame import Frame
-from signum.measure.measurer import Measurer
+from signum.commands.app import command
+from signum.commands.options import BoardOptions, CalibrationOption, OutOption, SourceArgument
+from signum.commands.session import Session
 from signum.measure.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
 from signum.report.draw import draw_tracks
 from signum.report.rows import drift_row, track_row
-from signum.sources.open import open_source
 from signum.tables.schemas import DRIFT, TRACK
-from signum.tables.table import Table
 
-KEPT = 5
+LOST_FRAMES = 5
 """Frames for which a lost feature still has rows, marked as not valid."""
+BOARD_DEFAULTS = BoardOptions(sigma=2.5)
 
 
-@app.command()
-@guarded
+@command()
 def track(
-    source: Annotated[str, typer.Argument(help="Video, folder of pictures, ROS bag, .npy array or camera number.",
-                                          show_default=False)],
-    output: OutOption = Path("out/track"),
-    sigma: SigmaOption = 2.5,
-    window: WindowOption = 64,
-    board: BoardOption = BoardName.golden,
+    source: SourceArgument,
     calibration: CalibrationOption = None,
+    output: OutOption = Path("out/track"),
+    board: BoardOptions = BOARD_DEFAULTS,
     features: Annotated[int, typer.Option("--features", min=1, max=200, help="Features to keep in view.")] = 30,
 ) -> None:
-    """Track features against the image they were chosen in: `track.csv`, `drift.csv` (what is known of the error, frame
-    by frame), `track.png` (the last frame with them), `report.html`.
+    """Track features against the image they were chosen in: `track.csv`, `drift.csv` (the estimated error, frame by
+    frame), `track.png` (the last frame with the features), `report.html`.
 
     Example: `signum track dive.mp4 --window 64 --out out/track`
     """
-    frames = open_source(source, calibration)
     missing: dict[int, int] = {}
     points: list[TrackPoint] = []
-    measured = valid = done = 0
-    with board_of(board, window) as b, progress("tracking", frames.count) as tell:
-        output.mkdir(parents=True, exist_ok=True)
-        table, drift = Table(output / "track.csv", TRACK), Table(output / "drift.csv", DRIFT)
-        tracker: Tracker | None = None
-        frame: Frame | None = None
-        try:
-            for frame in frames:
-                if tracker is None:
-                    fit = fit_to(frame, b, window, frames)
-                    settings = TrackSettings(window=window, features=features, precise_px=PRECISE_PX / max(fit.factor))
-                    tracker = Tracker(Measurer(b, fit.board, sigma), settings)
-                points = _shown(tracker.step(fit.show(frame.picture)), missing)
-                for point in points:
-                    table.write(track_row(frame.name, point, fit))
-                drift.write(drift_row(frame.name, points, fit))
-                measured, valid, done = measured + len(points), valid + sum(p.valid for p in points), done + 1
-                tell(f"{sum(p.valid for p in points)} of {len(points)} valid")
-        finally:
-            table.close()
-            drift.close()
-            if frame is not None and points:
-                cv2.imwrite(str(output / "track.png"), draw_tracks(fit.show(frame.picture), points, window))
-            if done:
-                write_report(output)
-        notes.print(clocks_line(b, done))
-    out.print(f"{output / 'track.csv'}: {done} frames, {measured} measurements, {valid} valid")
+    measured = valid = 0
+    with Session(board, output, source, calibration) as run:
+        fit = run.fit
+        settings = TrackSettings(window=board.window, features=features, precise_px=PRECISE_PX / max(fit.factor))
+        tracker = Tracker(run.measurer(fit.board), settings)
+        table, drift = run.table("track.csv", TRACK), run.table("drift.csv", DRIFT)
+
+        def draw() -> None:
+            if points:
+                cv2.imwrite(str(output / "track.png"), draw_tracks(fit.show(frame.picture), points, board.window))
+
+        run.at_end(draw)
+        run.summary = lambda: (f"{output / 'track.csv'}: {run.done} frames, {measured} measurements, {valid} valid")
+        for frame in run.steps("tracking", run.frames(), run.source.count):
+            points = _shown(tracker.step(fit.show(frame.picture)), missing)
+            for point in points:
+                table.write(track_row(frame.name, point, fit))
+            drift.write(drift_row(frame.name, points, fit))
+            measured, valid = measured + len(points), valid + sum(p.valid for p in points)
+            run.report = run.report_folder
+            run.tell(f"{sum(p.valid for p in points)} of {len(points)} valid")
 
 
 def _shown(points: list[TrackPoint], missing: dict[int, int]) -> list[TrackPoint]:
-    """The points without those lost for more than `KEPT` frames, which the tracker still looks for; `missing` counts
-    the frames since each was valid."""
+    """The points without those lost for more than `LOST_FRAMES` frames, which the tracker still searches for;
+    `missing` counts the frames since each was valid."""
     for p in points:
         missing[p.feature] = 0 if p.valid else missing.get(p.feature, 0) + 1
-    return [p for p in points if missing[p.feature] <= KEPT]
+    return [p for p in points if missing[p.feature] <= LOST_FRAMES]

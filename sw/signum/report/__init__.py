@@ -1,0 +1,1 @@
+"""Reports: HTML pages with pictures, plots and tables inside, made from what a command wrote."""

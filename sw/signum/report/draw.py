@@ -1,4 +1,4 @@
-"""Pictures of what the board does: the stages of the filter, tracked features, a line of words on a picture."""
+"""Pictures that several pages and commands show: the stages of the filter, tracked features, a line of text."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ YELLOW, GREEN, RED = (0, 220, 255), (80, 220, 60), (60, 60, 240)
 
 
 def stages(image: Image, signs: Image, sigma: float) -> list[tuple[str, Image]]:
-    """The paper's figure 3: the image, smoothed, its Laplacian of Gaussian (mid grey is 0), and the board's signs.
+    """The paper's figure 3: original, smoothed, Laplacian of Gaussian (mid grey is 0), and the board's signs.
 
     Args:
         image: uint8 (H, W).
         signs: uint8 (H, W) of 0 and 1, from the board.
-        sigma: pixels; the two stages between never leave a board and come from the golden model.
+        sigma: pixels. The board gives out no intermediate stages: the two between are computed in software.
     """
     smooth = np.asarray(cv2.GaussianBlur(image, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE), np.uint8)
     response = log.response(image, sigma)
@@ -45,7 +45,7 @@ def stage_panel(image: Image, signs: Image, sigma: float) -> Image:
 def write_line(canvas: Image, words: str, size: float) -> None:
     """Write words along the lower edge of a picture, white with a dark edge.
 
-    The edge is the letters' own, widened: a bolder font is a longer one too.
+    The edge is made by widening the letters, because a bolder font would be longer too.
 
     Args:
         canvas: uint8 (H, W, 3), written on.
@@ -61,7 +61,7 @@ def write_line(canvas: Image, words: str, size: float) -> None:
 
 
 def draw_tracks(image: Image, points: Sequence[TrackPoint], window: int) -> Image:
-    """The paper's figure 7: features in a frame, each with its window and the way it has come; red where not valid.
+    """The paper's figure 7: features in a frame, each with its window and its path; red where not valid.
 
     Args:
         image: uint8 (H, W).

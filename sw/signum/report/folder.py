@@ -1,6 +1,7 @@
-"""Reports made from what a command left in its folder: `report.html`, at the command's end or any time later.
+"""`report.html` made from the tables and pictures in a command's folder, at its end or any time later.
 
-A module a kind of table; `KINDS` says which table it is made from. Whatever else lies in the folder is shown as it is.
+Each module of `kinds` reports one kind of table, with a function `sections(folder)`; `KINDS` gives the table. A folder
+with none of these tables is shown as it is.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ KINDS: dict[str, tuple[str, Callable[[Path], list[Section]]]] = {
     "edges.csv": ("Mosaic", mosaic.sections),
     "navigate.csv": ("Mosaic navigation", navigate.sections),
 }
-"""Table -> title of the page and maker of its sections from the folder."""
+"""Table -> title of the page, and what makes its sections from the folder."""
 
 
 class ReportError(SignumError):
-    """A folder nothing can be reported of."""
+    """There is no such folder, or nothing in it to report."""
 
 
 def write_report(folder: Path) -> Path:
-    """Write `report.html` into a folder from the tables and pictures in it.
+    """Write `report.html` into a folder from the tables and pictures in it; returns its path.
 
     Raises:
         ReportError: if it is no folder, or there is nothing in it to report.

@@ -1,4 +1,4 @@
-"""MP4 files written frame by frame, good whenever they are closed."""
+"""MP4 files written frame by frame, complete once they are closed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages that can be handed on: one HTML file with its pictures, plots and tables inside."""
+"""Self-contained pages: one HTML file with its pictures, plots and tables inside."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ td:first-child,th:first-child{text-align:left}.met{color:#1a7f37}.missed{color:#
 
 @dataclass(frozen=True)
 class Bar:
-    """A measured figure and what it has to be.
+    """A measured figure and the bound it has to keep.
 
     Attributes:
         what: the figure, with its unit.
@@ -48,7 +48,7 @@ class Bar:
 
     @property
     def met(self) -> bool:
-        """Whether it is; NaN never is."""
+        """Whether the bar is met; NaN meets none."""
         return self.measured <= self.bound if self.relation == "<=" else self.measured >= self.bound
 
     def __str__(self) -> str:
@@ -57,7 +57,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page: a heading, HTML made with the functions below, and the figures it is judged by."""
+    """A part of a page: a heading, HTML made with the functions below, and bars for its figures."""
 
     title: str
     body: str
@@ -69,7 +69,7 @@ class Section:
         bars = "".join(
             f"<tr><td>{html.escape(b.what)}</td><td class={'met' if b.met else 'missed'}>{b.measured:.4g}</td>"
             f"<td>{html.escape(b.relation)} {b.bound:g}</td></tr>" for b in self.bars)
-        table = f"<table><tr><th>figure</th><th>measured</th><th>bar</th></tr>{bars}</table>" if bars else ""
+        table = f"<table><tr><th>figure</th><th>measured</th><th>bound</th></tr>{bars}</table>" if bars else ""
         return f"<h2>{html.escape(self.title)}</h2>{self.body}{table}"
 
 

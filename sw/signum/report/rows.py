@@ -1,4 +1,4 @@
-"""Tables on disk."""
+"""Rows of the tables, made from measurements; `columns.py` reads tables back."""
 
 from __future__ import annotations
 

@@ -14,11 +14,11 @@ from signum.boards import BOARDS, open_board
 from signum.common.console import notes, out, progress
 from signum.report.page import Section, paragraph, table, write_page
 from signum.reproduce import Maker
-from signum.reproduce.sections import MAKERS
+from signum.reproduce.makers import MAKERS
 from signum.tables.table import Table
 
 BARS = "section", "figure", "measured", "relation", "bound", "met"
-"""Of `bars.csv`."""
+"""Columns of `bars.csv`."""
 
 
 class Page:
@@ -32,7 +32,7 @@ class Page:
         path.parent.mkdir(parents=True, exist_ok=True)
 
     def add(self, name: str, sections: Sequence[Section]) -> None:
-        """Take in the sections a maker made, print their bars, write the page."""
+        """Add the sections of a maker, print their bars, write the page."""
         self.sections += sections
         for section in sections:
             for bar in section.bars:
@@ -40,7 +40,7 @@ class Page:
         self.write()
 
     def fail(self, name: str, error: Exception) -> None:
-        """Take in that a maker failed."""
+        """Note that a maker failed, and write the page."""
         self.failed.append(name)
         notes.print(f"{name}: failed\n{''.join(traceback.format_exception(error))}", markup=False)
         self.sections.append(Section(f"{name}: failed", paragraph(f"{type(error).__name__}: {error}")))
@@ -56,7 +56,7 @@ class Page:
         bars = [(section.title, bar) for section in self.sections for bar in section.bars]
         summary = table(("", ""), [
             ("bars met", f"{len(bars) - self.missed} of {len(bars)}"), ("sections that failed", str(len(self.failed))),
-            ("this run took", f"{(time.monotonic() - self._began) / 60:.1f} min")])
+            ("duration of this run", f"{(time.monotonic() - self._began) / 60:.1f} min")])
         write_page(self.path, self.title, self.sections, paragraph(self.about) + summary)
         rows = Table(self.path.parent / "bars.csv", BARS)
         for title, bar in bars:
@@ -64,19 +64,19 @@ class Page:
         rows.close()
 
 
-def run(chosen: dict[str, Maker], board: str, folder: Path, seed: int, quick: bool) -> Page:
+def make_page(chosen: dict[str, Maker], board: str, folder: Path, seed: int, quick: bool) -> Page:
     """Make the page.
 
     Args:
         chosen: makers by name, in order.
         board: one of BOARDS.
         folder: for `index.html`, `bars.csv` and a folder per maker.
-        seed: of all that is random.
+        seed: of all random numbers.
         quick: a short version.
     """
     kind = "the golden model" if board == "golden" else "the Verilated RTL"
     about = (f"Every sign bit and every score came out of {kind}; seed {seed}"
-             + ("; a short version: bars are judged on less than they are meant for." if quick else "."))
+             + ("; a short version: bars are judged on less data than at full length." if quick else "."))
     page = Page(folder / "index.html", "Signum: the paper's figures and tables", about)
     page.write()
     for name, make in chosen.items():
@@ -84,26 +84,26 @@ def run(chosen: dict[str, Maker], board: str, folder: Path, seed: int, quick: bo
         place.mkdir(exist_ok=True)
         try:
             page.add(name, make(partial(open_board, board), place, seed, quick, progress))
-        except Exception as error:  # the others are still worth having, and the status tells
+        except Exception as error:  # the other sections are still made; the exit status is 1
             page.fail(name, error)
     return page
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Returns the exit status: 0, 1 where a bar is missed or a section failed, 130 when stopped."""
+    """Make the page; returns the exit status: 0, 1 where a bar is missed or a section failed, 130 when stopped."""
     known = MAKERS
     parser = argparse.ArgumentParser(prog="python -m signum.reproduce", description="The paper's figures and tables.")
     parser.add_argument("--board", choices=BOARDS, default="golden")
     parser.add_argument("--out", type=Path, default=Path("out/reproduce"), help="folder; made if missing")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--quick", action="store_true", help="a short version, for a look")
+    parser.add_argument("--quick", action="store_true", help="a short version of a few minutes")
     parser.add_argument("--only", action="append", choices=tuple(known), metavar="NAME",
-                        help=f"make only this; may be given again; of {', '.join(known)}")
+                        help=f"make only this section; may be repeated; one of {', '.join(known)}")
     options = parser.parse_args(argv)
     chosen = {name: make for name, make in known.items() if name in (options.only or known)}
     out.print(f"board {options.board}, seed {options.seed}{', quick' if options.quick else ''}")
     try:
-        page = run(chosen, options.board, options.out, options.seed, options.quick)
+        page = make_page(chosen, options.board, options.out, options.seed, options.quick)
     except KeyboardInterrupt:
         notes.print("stopped; the page holds what was finished")
         return 130

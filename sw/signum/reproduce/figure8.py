@@ -1,4 +1,4 @@
-"""Figure 8 of the paper: how much of the sign image survives poor contrast, uneven light and marine snow.
+"""Figure 8 of the paper: the share of signs that survive poor contrast, uneven light and marine snow.
 
 `python -m signum.reproduce.figure8` degrades photographs as the paper says and prints, per picture and sigma, the
 share of pixels whose sign stays the same, over the whole image and over its inner quarter.
@@ -18,14 +18,13 @@ import skimage.data
 from signum.boards import BOARDS, open_board
 from signum.boards.board import Board
 from signum.common.arrays import Image
+from signum.reproduce.reference import SHARED
 from signum.world.degrade import degrade
 
 SIZE = 640, 480
 SIGMAS = 1.0, 1.5, 2.0, 3.0, 4.0
 PHOTOGRAPHS = "gravel", "grass", "brick", "moon"
 """Bundled with scikit-image."""
-SHARED = Path(__file__).resolve().parents[4] / "shared" / "data"
-"""Real seabed, where it is at hand."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +79,8 @@ def measure(board: Board, name: str, picture: Image, sigmas: Sequence[float] = S
     return rows
 
 
-def table(rows: Sequence[Agreement]) -> str:
-    """Rows as text: one line a picture, whole/inner per sigma."""
+def as_text(rows: Sequence[Agreement]) -> str:
+    """Rows as text: one line per picture, whole/inner per sigma."""
     sigmas = sorted({r.sigma for r in rows})
     value = {(r.picture, r.sigma): f"{r.whole:.3f}/{r.inner:.3f}" for r in rows}
     lines = [f"{'whole/inner':<16}" + "".join(f"{f'sigma {s:g}':>14}" for s in sigmas)]
@@ -117,7 +116,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = parser.parse_args(argv)
     with open_board(options.board) as board:
         rows = [row for name, picture in pictures() for row in measure(board, name, picture, seed=options.seed)]
-    print(table(rows))
+    print(as_text(rows))
     barred = [r for r in rows if r.picture in ("gravel", "grass") and r.sigma == 1.5]
     missed = [r for r in barred if not (r.whole > 0.9 and r.inner > 0.95)]
     print("gravel and grass at sigma 1.5, above 0.90 whole and 0.95 inner:", "no" if missed else "yes")

@@ -1,4 +1,4 @@
-"""Figures 3 and 8: the stages of the filter, and what bad water leaves of the signs."""
+"""Figures 3 and 8: the stages of the filter, and the share of signs that stay the same in bad water."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from signum.report.page import Bar, Section, figure, paragraph, row, table
 from signum.reproduce import OpenBoard, Progress, figure8
 from signum.world.degrade import degrade
 
-SIGMA = 2.5
+STAGES_SIGMA = 2.5
 JUDGED = "gravel", "grass"
 JUDGED_SIGMA = 1.5
 SNOWS = 16
+"""Falls of snow over which a bar is judged."""
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
@@ -27,8 +28,8 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     snows = 3 if quick else SNOWS
     with open_board() as board, progress("filter", len(pictures) + len(JUDGED) * snows) as tell:
         first = pictures[0][1]
-        measurer = Measurer(board, figure8.SIZE, SIGMA)
-        shown = stages(first, measurer.signs(measurer.view(first)), SIGMA)
+        measurer = Measurer(board, figure8.SIZE, STAGES_SIGMA)
+        shown = stages(first, measurer.signs(measurer.view(first)), STAGES_SIGMA)
         example = _example(board, first, seed)
         rows = []
         for name, picture in pictures:
@@ -48,7 +49,8 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     lines = [[name, *(values[name, s] for s in sigmas)] for name, _ in pictures]
     return [
         Section("Figure 3: the filter's stages", paragraph(
-            f"Original, smoothed with sigma {SIGMA:g}, Laplacian (mid grey is 0), sign; the last leaves the board.")
+            f"Original, smoothed with sigma {STAGES_SIGMA:g}, Laplacian (mid grey is 0), sign. The board gives "
+            "out only the sign.")
             + row([figure(picture, name) for name, picture in shown])),
         Section("Figure 8: signs in bad water", paragraph(
             "Contrast divided by 4, light that falls off with the radius, 250 white squares of snow. Share of signs "

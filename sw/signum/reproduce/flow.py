@@ -16,15 +16,17 @@ from signum.report.page import Bar, Section, figure, paragraph, row
 from signum.reproduce import OpenBoard, Progress
 from signum.world.camera import Pinhole
 from signum.world.degrade import degrade
-from signum.world.seafloor import Seafloor, photograph
+from signum.world.seafloor import PHOTOS, Seafloor, photograph
 from signum.world.water import COASTAL
 from signum.world.world import World
 
-SIZE = 384, 288
-SIGMA = 1.5
-PHOTOS = "gravel", "grass", "brick"
+CAMERA = Pinhole()
+SHIFT_SIGMA = 1.5
+"""Width of the LoG's Gaussian on shifted photographs, pixels."""
 SHIFTS = 10
+"""Shifts of each photograph."""
 MOST_PX = 8.0
+"""Largest shift along an axis, pixels."""
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
@@ -34,7 +36,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     squares: dict[bool, list[Floats]] = {False: [], True: []}
     valid: dict[bool, list[float]] = {False: [], True: []}
     with open_board() as board, progress("flow", 1 + 2 * len(photos) * shifts) as tell:
-        before, after, field = _field(Measurer(board, SIZE, 2.0), seed)
+        before, after, field = _field(Measurer(board, CAMERA.size, 2.0), seed)
         tell("figure 6")
         for name in photos:
             for k in range(shifts):
@@ -43,7 +45,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
                     pair = [shifted(photograph(name), at) for at in (np.zeros(2), shift)]
                     if degraded:
                         pair = [degrade(p, seed + 2 * k + i) for i, p in enumerate(pair)]
-                    measurer = Measurer(board, SIZE, SIGMA)
+                    measurer = Measurer(board, CAMERA.size, SHIFT_SIGMA)
                     found = measure_flow(measurer, measurer.view(pair[0]), measurer.view(pair[1]), support=1)
                     miss = (found.dx - shift[0]) ** 2 + (found.dy - shift[1]) ** 2
                     squares[degraded].append(miss[found.valid])
@@ -63,18 +65,17 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
 
 
 def shifted(photo: NDArray[np.float32], shift: Floats) -> Image:
-    """The middle of a photograph (grey levels) moved by `shift` pixels: uint8 of SIZE."""
+    """The middle of a photograph (grey levels) moved by `shift` pixels: uint8 of the camera's size."""
     matrix = np.array([[1, 0, shift[0] - 60], [0, 1, shift[1] - 60]])
-    return np.asarray(np.clip(cv2.warpAffine(photo, matrix, SIZE, flags=cv2.INTER_CUBIC), 0, 255), np.uint8)
+    return np.asarray(np.clip(cv2.warpAffine(photo, matrix, CAMERA.size, flags=cv2.INTER_CUBIC), 0, 255), np.uint8)
 
 
 def _field(measurer: Measurer, seed: int) -> tuple[Image, Image, FlowField]:
     world = World(Seafloor(extent=6.0, relief=0.12, seed=seed), COASTAL, seed=seed)
-    camera = Pinhole(SIZE)
     poses = (np.array([0.0, 0.0, -2.0]), (0.0, 0.0, 0.0)), (np.array([0.035, 0.02, -2.03]), (0.0, 0.0, 0.03))
     frames = []
     for position, attitude in poses:
-        frames.append(world.look(camera, Sight(position, rotation(*attitude) @ LOOK_DOWN)).frame)
+        frames.append(world.look(CAMERA, Sight(position, rotation(*attitude) @ LOOK_DOWN)).frame)
         world.step(0.2)
     field = measure_flow(measurer, measurer.view(frames[0]), measurer.view(frames[1]), (48, 48), 24, support=1)
     return frames[0], frames[1], field

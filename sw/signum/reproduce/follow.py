@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import degrees
 from pathlib import Path
 
 from signum.applications.follow.follower import State
@@ -11,16 +12,15 @@ from signum.applications.follow.record import FollowRecord
 from signum.applications.follow.simulate import Chase, Row, follow, judge
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section
-from signum.reproduce import OpenBoard, Progress
+from signum.reproduce import CONTROL_SIGMA, OpenBoard, Progress
 from signum.world.camera import Pinhole
 
-SIGMA = 2.0
 HOW = {Where.MIDWATER: "segmented by stereo range: nearer than 4 m is fish",
-       Where.TERRAIN: "segmented by motion: what disagrees with the picture's dominant motion is fish"}
+       Where.TERRAIN: "segmented by motion: what departs from the dominant motion of the picture is fish"}
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
-    """Both chases at length, and a short one in each of which the fish darts out of view."""
+    """A long chase in midwater and over terrain, and a short one of each in which the fish darts out of view."""
     sections = []
     for where in Where:
         sections.append(_chase(open_board, out, Chase(where, 12.0 if quick else 300.0, seed=seed), progress))
@@ -37,9 +37,9 @@ def _chase(open_board: OpenBoard, out: Path, chase: Chase, progress: Progress) -
     record = FollowRecord(folder, True, chase.rate, often=chase.seconds / 7)
     try:
         with open_board() as board, progress(f"following, {chase.where}", round(chase.seconds * chase.rate)) as tell:
-            for k, g in enumerate(follow(lambda size: Measurer(board, size, SIGMA), chase, camera)):
+            for k, g in enumerate(follow(lambda size: Measurer(board, size, CONTROL_SIGMA), chase, camera)):
                 record.add(str(k), g.time, g.target, g.frame,
-                           truth=(*g.truth, g.range_m, *(57.29578 * a for a in g.head)))
+                           truth=(*g.truth, g.range_m, *(degrees(a) for a in g.head)))
                 rows.append(Row.of(g, camera))
                 tell(str(g.target.state))
     finally:
@@ -48,7 +48,7 @@ def _chase(open_board: OpenBoard, out: Path, chase: Chase, progress: Progress) -
     facts = [("in view", f"{f.in_view:.1%}"), ("found again", str(f.finds)),
              ("longest time lost, s", f"{f.longest_lost_s:.1f}"), ("target off the fish", f"{f.wrong:.1%}")]
     about = f"A fish that swims, turns and stops, in turbid water with snow; {HOW[chase.where]}. "
-    drawn, caption = draw_chase(rows, camera.size), "Where the fish was (truth); green: the centre quarter."
+    drawn, caption = draw_chase(rows, camera.size), "True position of the fish; green: the centre quarter."
     if not chase.darts:
         about += f"{chase.seconds:g} s; a pan/tilt follows the fish, the vehicle follows the pan/tilt."
         return follow_section(f"Following, {chase.where}", about, record, drawn, caption, facts,
@@ -59,10 +59,10 @@ def _chase(open_board: OpenBoard, out: Path, chase: Chase, progress: Progress) -
 
 
 def dart_bars(chase: Chase, rows: list[Row]) -> tuple[Bar, ...]:
-    """Said to be lost, and at the end followed again."""
+    """The target is reported as lost after the fish darted, and followed again at the end."""
     after = [r for r in rows if r.time >= chase.darts[0]]
     last = [r for r in rows if r.time >= chase.seconds - 5]
-    return (Bar(f"{chase.where}: said to be lost after it darted, frames", sum(r.state is State.LOST for r in after),
+    return (Bar(f"{chase.where}: reported as lost after it darted, frames", sum(r.state is State.LOST for r in after),
                 ">=", 1),
             Bar(f"{chase.where}: last 5 s, fish in the centre quarter, share", sum(r.centred for r in last) / len(last),
                 ">=", 0.9))

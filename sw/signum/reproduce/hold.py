@@ -1,4 +1,4 @@
-"""Station keeping (equations 2 to 7): ten minutes in a current with surge, blinded and pushed away on the way."""
+"""Station keeping (equations 2 to 7): ten minutes in a current with surge, a blocked view, a push out of view."""
 
 from __future__ import annotations
 
@@ -13,13 +13,11 @@ from signum.applications.hold.simulate import Scenario, hold, judge_rows
 from signum.applications.hold.tuning import PEAK, peaks
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section, paragraph, table
-from signum.reproduce import OpenBoard, Progress
-
-SIGMA = 2.0
+from signum.reproduce import CONTROL_SIGMA, OpenBoard, Progress
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
-    """A hold at the paper's conditions, and how its controller is tuned."""
+    """Station keeping under the paper's conditions, and the tuning of its controller."""
     seconds = 30.0 if quick else 600.0
     scenario = Scenario(seconds, occluded=(0.3 * seconds, 0.3 * seconds + 3), seed=seed,
                         shoved=None if quick else (400.0, 403.0))
@@ -28,7 +26,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     record, rows = HoldRecord(folder, True, often=seconds / 5), []
     try:
         with open_board() as board, progress("holding", round(seconds * scenario.rate)) as tell:
-            for k, m in enumerate(hold(lambda size: Measurer(board, size, SIGMA), scenario)):
+            for k, m in enumerate(hold(lambda size: Measurer(board, size, CONTROL_SIGMA), scenario)):
                 record.add(str(k), m.time, m.reading, m.frame, m.features,
                            truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
                 rows.append(m.row)
@@ -48,7 +46,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     about = (f"{seconds / 60:g} minutes 2 m above a floor with relief, current 0.2 m/s with surge, figure 8's loss of "
              f"contrast and light, 250 snow flakes in view, range by stereo once. From {begin:g} s the view is "
              "blocked for 3 s"
-             + (f"; from {scenario.shoved[0]:g} s something pushes the vehicle with 36 N for 3 s, until its station is "
+             + (f"; from {scenario.shoved[0]:g} s the vehicle is pushed with 36 N for 3 s, until its station is "
                 "nearly or wholly out of sight" if scenario.shoved else "")
              + ". Position, heading and range are judged outside those 13 s each, wrong readings everywhere.")
     return [hold_section("Station keeping", about, record.series, record.shots, bars), _tuning()]
@@ -62,7 +60,7 @@ def _tuning() -> Section:
         worst = max(worst, *found)
         lines.append((name, *(f"{g:g}" for g in gains), *(f"{p:.2f}" for p in found)))
     heads = ("axis", "proportional", "integral", "rate", "peak of |1/(1+L)|", "peak of |L/(1+L)|")
-    about = (f"A PID an axis, its integral gain as large as the peaks of sensitivity and complementary sensitivity "
+    about = (f"One PID per axis, its integral gain as large as the peaks of sensitivity and complementary sensitivity "
              f"allow ({PEAK:g}), for the hull's inertia and drag, a thruster lag of 0.15 s and ten frames a second.")
     return Section("Station keeping: the controller's tuning", paragraph(about) + table(heads, lines),
                    (Bar("largest peak of the sensitivities", worst, "<=", PEAK + 0.02),))

@@ -19,20 +19,21 @@ from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
+from signum.world.seafloor import PHOTOS
 
-FLOORS = "gravel", "grass", "brick", "gravel", "grass"
-TARGETS = 10
-KIDNAPS = 20
-STRANGE = 20
+FLOORS = (*PHOTOS, *PHOTOS[:2])
+"""Photographs on the floors, each floor with a seed of its own."""
+TARGETS, KIDNAPS, STRANGE = 10, 20, 20
+"""Per floor: targets, kidnapped starts, frames of another floor."""
 SETTLED = 10
-"""Last frames of a way, over which its final error is the worst."""
+"""Frames at the end of a path; its final error is the largest among them."""
 WRONG = 0.05
-"""A place called known is wrong if it is off by more, as a share of the view."""
+"""Error above which a place that is reported as known is wrong, as a share of the view."""
 
 
 @dataclass
 class Tally:
-    """What came of it; errors are shares of the view's width."""
+    """Outcomes over all floors; errors are shares of the view's width."""
 
     finals: list[float] = field(default_factory=list)
     reached: int = 0
@@ -48,7 +49,7 @@ class Tally:
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
-    """A mosaic a floor, then targets, kidnaps and frames of another floor on each."""
+    """A mosaic per floor; on each, targets, kidnapped starts and frames of another floor."""
     floors = FLOORS[:1] if quick else FLOORS
     targets, kidnaps, strange = (2, 6, 4) if quick else (TARGETS, KIDNAPS, STRANGE)
     sweep = (0.27, 0.18) if quick else Scene().sweep
@@ -84,20 +85,20 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
         Bar("kidnapped starts recovered, share", tally.recovered / tally.kidnaps, ">=", 0.95),
         Bar("confident wrong places", tally.wrong + tally.mistaken, "<=", 0.0))
     lines = [
-        ("targets, each from a start turned by hand and not told", str(len(tally.finals))),
-        ("way at the start, share of the view: median, most",
+        ("targets, each from an unknown start", str(len(tally.finals))),
+        ("distance at the start, share of the view: median, largest",
          f"{np.median(tally.starts):.2f}, {max(tally.starts):.2f}"),
-        ("seconds until it stays: median, most", f"{np.median(tally.times):.1f}, {max(tally.times):.1f}"),
+        ("seconds to the target: median, largest", f"{np.median(tally.times):.1f}, {max(tally.times):.1f}"),
         ("final error, % of the view: median, worst",
          f"{100 * np.median(tally.finals):.2f}, {100 * max(tally.finals):.2f}"),
-        ("kidnapped tries; place off by, % of the view: median, worst",
+        ("kidnapped starts; error of the place, % of the view: median, worst",
          f"{tally.kidnaps}; {100 * np.median(tally.misses):.2f}, {100 * max(tally.misses):.2f}"),
-        ("frames of a floor the mosaic does not show; taken for a place on it", f"{tally.strange}; {tally.mistaken}")]
+        ("frames of a floor not in the mosaic; mistaken for a place in it", f"{tally.strange}; {tally.mistaken}")]
     body = paragraph(
         "A camera on a pan/tilt, 2 m above a floor with relief, in turbid water with a lamp and snow, sweeps back and "
-        "forth and makes a mosaic of five times its view. Its pictures are drawn stereographically first, with its "
-        "known focal length. Then it is turned anywhere by hand and has to find out where it looks, and to look where "
-        "it is told to. No angle is ever measured: every frame is found in the mosaic itself.")
+        "forth and makes a mosaic of five times its view. Its pictures are first projected stereographically, with "
+        "its known focal length. Then it is turned to an unknown direction, and has to find where it looks and to turn "
+        "to a given target. No angle is measured: every frame is found in the mosaic itself.")
     return [Section("Mosaic navigation: look at that", body + row(shown) + row([_plot(tally)]) + table(("", ""), lines),
                     bars)]
 
@@ -135,7 +136,7 @@ def _picture(chart: Chart, site: PanTiltSite, way: list[Step]) -> str:
     last = way[-1].aim.place.similarity
     centres = [step.aim.place.centre for step in way]
     target = None if last is None else tuple(last(way[-1].aim.error + (np.array(site.size) - 1) / 2))
-    return figure(draw_path(chart, centres, last, site.size, target), "way (yellow), last view, target (red)")
+    return figure(draw_path(chart, centres, last, site.size, target), "path (yellow), last view, target (red)")
 
 
 def _plot(tally: Tally) -> str:
@@ -143,4 +144,4 @@ def _plot(tally: Tally) -> str:
     for way in tally.ways:
         ax.semilogy([s.time for s in way], [max(float(np.hypot(*s.truth)), 0.05) for s in way], lw=0.7)
     ax.set(xlabel="seconds", ylabel="true error, px")
-    return plot(fig, "distance from the target, every way")
+    return plot(fig, "true distance from the target, every path")

@@ -15,21 +15,22 @@ from signum.measure.stereo import RangeMap, draw_range, measure_range
 from signum.report.page import Bar, Section, figure, paragraph, row, table
 from signum.reproduce import OpenBoard, Progress
 from signum.world.camera import Pinhole
+from signum.world.scenes import BASELINE_M
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
 
-BASELINE = 0.12
 CAMERA = Pinhole(focal=400.0)
-FLOORS: dict[str, dict[str, object]] = {
+SHAPES: dict[str, dict[str, object]] = {
     "plane": {}, "slope": {"slope": (0.2, 0.3)}, "relief": {"relief": 0.1}, "rough": {"relief": 0.15, "feature": 0.5}}
 WINDOWS = 16, 32
-SEEDS = 3
+FLOOR_SEEDS = 3
+"""Floors of each shape."""
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
     """Disparities of simulated floors, without noise, and of the motorcycle pair, against their truth."""
-    seeds = 1 if quick else SEEDS
-    floors = {n: FLOORS[n] for n in (("plane", "relief") if quick else FLOORS)}
+    seeds = 1 if quick else FLOOR_SEEDS
+    floors = {n: SHAPES[n] for n in (("plane", "relief") if quick else SHAPES)}
     lines, shown, worst = [], [], {"close": 1.0, "rms": 0.0}
     with open_board() as board, progress("stereo", len(floors) * seeds + 1) as tell:
         for name, shape in floors.items():
@@ -38,8 +39,8 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
             for k in range(seeds):
                 world = World(Seafloor(extent=4.0, texel=0.0025, seed=seed + k, **shape))  # type: ignore[arg-type]
                 sight = Sight(np.array([0, 0, -2.0]), rotation(0.05, 0.1, 0.3) @ LOOK_DOWN)
-                left, right = world.look_pair(CAMERA, sight, BASELINE)
-                truth = CAMERA.focal * BASELINE / left.depth.astype(np.float64)
+                left, right = world.look_pair(CAMERA, sight, BASELINE_M)
+                truth = CAMERA.focal * BASELINE_M / left.depth.astype(np.float64)
                 measurer = Measurer(board, CAMERA.size, 1.0)
                 views = measurer.pair(left.frame, right.frame)
                 for window in WINDOWS:
@@ -47,7 +48,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
                     missed[window].append(_errors(found, truth))
                     shares[window].append(float(found.valid.mean()))
                     if name == "relief" and k == 0 and window == WINDOWS[0]:
-                        geometry = StereoGeometry(CAMERA.focal, BASELINE, CAMERA.centre)
+                        geometry = StereoGeometry(CAMERA.focal, BASELINE_M, CAMERA.centre)
                         shown = [figure(left.frame, "left"), figure(right.frame, "right"),
                                  figure(draw_range(found, geometry, left.frame), "range, m, on the left picture")]
                 tell(name)
@@ -61,11 +62,11 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
         within, bike = _motorcycle(open_board)
         tell("motorcycle")
     bars = (Bar("simulated floors: valid ones within 0.5 px, worst floor and window", worst["close"], ">=", 0.95),
-            Bar("their RMS, px, worst floor and window", worst["rms"], "<=", 0.15))
+            Bar("RMS of those, px, worst floor and window", worst["rms"], "<=", 0.15))
     heads = "floor, window", "valid", "of them within 0.5 px", "RMS of those, px"
     return [
         Section("Figure 5: stereo range", paragraph(
-            f"A {100 * BASELINE:g} cm baseline 2 m above simulated floors, without noise; every disparity is a "
+            f"A {100 * BASELINE_M:g} cm baseline 2 m above simulated floors, without noise; every disparity is a "
             "one-dimensional search along its row, checked from right to left.")
             + row(shown) + table(heads, lines), bars),
         Section("Stereo on a real pair", paragraph(

@@ -1,4 +1,4 @@
-"""Figure 7: features tracked against their initial image, and what drift is left."""
+"""Figure 7: features tracked against their initial image, and their remaining drift."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from signum.world.world import World
 
 CAMERA = Pinhole()
 RATE = 5.0
-HEIGHT = 2.0
-WINDOW = 64
-SIGMA = 2.5
+HEIGHT_M = 2.0
+TRACK_WINDOW = 64
+TRACK_SIGMA = 2.5
 HOVER = "hovering: the view sways by up to a fifth of its width and comes back"
-TRANSIT = "in transit at 0.2 m/s: every view is soon left behind"
+TRANSIT = "in transit at 0.2 m/s: every view is soon left"
 
 
 @dataclass
-class Run:
-    """Errors of a run, pixels: of the tracker's valid positions by frames since the feature was chosen, and of a chain
-    of frame-to-frame measurements of the same features."""
+class Drift:
+    """Errors of a flight, pixels: of the tracker's valid positions by frames since the feature was chosen, and of a
+    chain of frame-to-frame measurements of the same features."""
 
     ages: list[int] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)
@@ -52,11 +52,11 @@ class Run:
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
     """Two simulated flights, with the truth of every feature."""
     frames = 24 if quick else 300
-    runs: dict[str, Run] = {}
+    runs: dict[str, Drift] = {}
     with progress("tracking", 2 * frames) as tell:
         for name in (HOVER, TRANSIT):
             with open_board() as board, open_board() as other:
-                measurers = Measurer(board, CAMERA.size, SIGMA), Measurer(other, CAMERA.size, SIGMA)
+                measurers = Measurer(board, CAMERA.size, TRACK_SIGMA), Measurer(other, CAMERA.size, TRACK_SIGMA)
                 runs[name] = _fly(*measurers, name == HOVER, frames, seed, tell)
     sections = []
     for name, run in runs.items():
@@ -71,8 +71,8 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
             ("frame-to-frame sums, median error at the end, px",
              f"{np.median(chain[np.array(run.chain_ages) > 0.8 * max(run.chain_ages)]):.2f}")]
         body = paragraph(f"A camera {name}. Turbid water, lamp, snow, relief; {frames} frames at {RATE:g} Hz.")
-        body += row([figure(draw_tracks(*run.first, WINDOW), "initial image"),
-                     figure(draw_tracks(*run.last, WINDOW), "last image"), _plot(run)])
+        body += row([figure(draw_tracks(*run.first, TRACK_WINDOW), "initial image"),
+                     figure(draw_tracks(*run.last, TRACK_WINDOW), "last image"), _plot(run)])
         body += table(("", ""), lines) + paragraph(_statement(run))
         sections.append(Section(
             f"Figure 7: feature tracking, {name.split(':')[0]}", body,
@@ -80,7 +80,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     return sections
 
 
-def _statement(run: Run) -> str:
+def _statement(run: Drift) -> str:
     ages = np.array(run.ages) / RATE
     growth = float(np.polyfit(ages, run.errors, 1)[0]) * ages.max()
     single = np.mean(np.array(run.links) <= 1)
@@ -92,17 +92,18 @@ def _sight(hover: bool, time: float) -> Sight:
     if hover:
         sway = 0.18 * np.sin(2 * np.pi * time / 11), 0.22 * np.sin(2 * np.pi * time / 17)
         turn = 0.03 * np.sin(2 * np.pi * time / 23)
-        position = np.array([sway[0], sway[1], -HEIGHT + 0.05 * np.sin(2 * np.pi * time / 9)])
+        position = np.array([sway[0], sway[1], -HEIGHT_M + 0.05 * np.sin(2 * np.pi * time / 9)])
     else:
-        position, turn = np.array([0.2 * time - 4.0, 0.05 * np.sin(time / 3), -HEIGHT]), 0.02 * np.sin(time / 5)
+        position, turn = np.array([0.2 * time - 4.0, 0.05 * np.sin(time / 3), -HEIGHT_M]), 0.02 * np.sin(time / 5)
     return Sight(position, rotation(0.01 * np.sin(time / 2), 0.01 * np.cos(time / 3), turn) @ LOOK_DOWN)
 
 
-def _fly(measurer: Measurer, plain: Measurer, hover: bool, frames: int, seed: int, tell: Callable[[str], None]) -> Run:
-    """Fly: the tracker on one measurer, sums of steps on the other."""
+def _fly(measurer: Measurer, plain: Measurer, hover: bool, frames: int, seed: int, tell: Callable[[str], None]
+         ) -> Drift:
+    """Fly: the tracker uses one measurer, the sums of frame-to-frame displacements the other."""
     world = World(Seafloor(extent=12.0, relief=0.04, texel=0.005, seed=seed), COASTAL, seed=seed)
-    tracker = Tracker(measurer, TrackSettings(window=WINDOW, features=12))
-    run = Run()
+    tracker = Tracker(measurer, TrackSettings(window=TRACK_WINDOW, features=12))
+    run = Drift()
     ground: dict[int, tuple[int, Floats]] = {}
     summed: dict[int, Floats] = {}
     before: View | None = None
@@ -146,15 +147,15 @@ def _on_ground(sight: Sight, depth: NDArray[np.float32], x: float, y: float) -> 
 
 
 def _sum(measurer: Measurer, before: View, live: View, summed: dict[int, Floats]) -> None:
-    """What everybody else does: add up steps from frame to frame; a feature lost once is lost (NaN)."""
+    """For comparison, sum up displacements from frame to frame; a feature lost once stays lost (NaN)."""
     kept = [n for n, at in summed.items() if np.isfinite(at).all()]
     places = [np.rint(summed[n]).astype(int) for n in kept]
-    queries = [Query(before, live, int(x), int(y), WINDOW, WINDOW, reach=(24, 24)) for x, y in places]
+    queries = [Query(before, live, int(x), int(y), TRACK_WINDOW, TRACK_WINDOW, reach=(24, 24)) for x, y in places]
     for number, m in zip(kept, measurer.measure(queries), strict=True):
         summed[number] = summed[number] + (m.dx_px, m.dy_px) if m.valid else np.full(2, np.nan)
 
 
-def _plot(run: Run) -> str:
+def _plot(run: Drift) -> str:
     fig, ax = plt.subplots(figsize=(5, 3.4))
     ax.plot(np.array(run.chain_ages) / RATE, run.chain_errors, ".", ms=2, color="0.7", label="frame to frame, summed")
     ax.plot(np.array(run.ages) / RATE, run.errors, ".", ms=2, color="tab:green", label="against the initial image")

@@ -20,6 +20,7 @@ from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
 from signum.measure.track import Tracker, TrackPoint, TrackSettings
 from signum.reproduce import figure8
+from signum.reproduce.reference import SHARED
 from signum.sources.open import open_source
 
 Pair = tuple[GoldenBoard, VerilatedBoard]
@@ -161,7 +162,7 @@ def test_tracks() -> None:
 
 @pytest.mark.parametrize("name", ["sparus", "aqualoc"])
 def test_tracks_of_real_seabed(name: str) -> None:
-    file = figure8.SHARED / name / f"{name}_snippet.mp4"
+    file = SHARED / name / f"{name}_snippet.mp4"
     if not file.exists():
         pytest.skip("real frames are not at hand: no ../shared/data")
     frames = [f.grey for f in islice(open_source(file), 4)]

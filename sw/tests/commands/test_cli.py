@@ -1,4 +1,4 @@
-"""The command as a user meets it: what is written, what is said, what is left behind when it stops half-way."""
+"""The command line: what is written and printed, and what remains after an error or an interrupt."""
 
 import csv
 import re
@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from golden import log
-from signum.commands import mosaic, track
+from signum.commands import session
 from signum.commands.cli import application
 from signum.demo import fly as demo
 from signum.frames.frame import Frame
@@ -131,11 +131,11 @@ def test_stopped_by_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
                     raise KeyboardInterrupt
                 yield frame
 
-    for module in (mosaic, track):
-        monkeypatch.setattr(module, "open_source", lambda *_: Stopped(_frames(6, 40)))
+    monkeypatch.setattr(session, "open_source", lambda *_: Stopped(_frames(6, 40)))
     for command in ("mosaic", "track"):
         result = _run(command, "any", "--window", "48", "--out", tmp_path / command)
         assert "stopped" in _one_line(result, 130)
+        assert f"{command}.csv: 3 frames" in result.stdout or "mosaic.png: 3 frames" in result.stdout
     assert len(_rows(tmp_path / "mosaic" / "poses.csv")) == 3
     assert np.asarray(cv2.imread(str(tmp_path / "mosaic" / "mosaic.png"))) is not None
     assert {r["frame"] for r in _rows(tmp_path / "track" / "track.csv")} == {"0", "1", "2"}

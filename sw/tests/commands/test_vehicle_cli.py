@@ -1,4 +1,4 @@
-"""`signum hold`, `follow` and `simulate` as a user meets them; and the closed loops alike on both boards."""
+"""`signum hold`, `follow` and `simulate` on the command line; the closed loops are identical on both boards."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ from signum.applications.hold.simulate import Scenario, hold
 from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
-from signum.commands import follow as follow_command
-from signum.commands import hold as hold_command
+from signum.commands import session
 from signum.commands.cli import application
 from signum.frames.frame import Frame
 from signum.geometry.camera import LOOK_DOWN, Sight
@@ -131,11 +130,10 @@ def test_stopped_by_the_user(tmp_path: Path, film: list[np.ndarray], monkeypatch
                     raise KeyboardInterrupt
                 yield frame
 
-    for module in (hold_command, follow_command):
-        monkeypatch.setattr(module, "open_source", lambda *_: Stopped(film))
+    monkeypatch.setattr(session, "open_source", lambda *_: Stopped(film))
     for command in ("hold", "follow"):
         result = _run(command, "--source", "any", "--out", tmp_path / command)
-        assert "stopped" in _one_line(result, 130)
+        assert "stopped" in _one_line(result, 130) and f"{command}.csv: 4 frames" in result.stdout
         assert len(_rows(tmp_path / command / f"{command}.csv")) == 4
         assert "</html>" in (tmp_path / command / "report.html").read_text()
 
@@ -182,7 +180,7 @@ def test_simulate_every_kind_as_video(kind: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("what", ["hold", *Where])
 def test_closed_loops_are_alike_on_both_boards(what: str) -> None:
-    """The same seed flies the same way to the last bit, as every measurement is the same."""
+    """The same seed gives the same path to the last bit, as every measurement is the same."""
     flown = []
     for kind in (GoldenBoard, VerilatedBoard):
         with kind(FULL) as board:

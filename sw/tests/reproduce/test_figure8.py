@@ -14,7 +14,7 @@ from signum.world.degrade import SNOW, degrade
 def test_table_meets_the_paper() -> None:
     with GoldenBoard() as board:
         rows = [row for name, picture in figure8.pictures() for row in figure8.measure(board, name, picture)]
-    print("\n" + figure8.table(rows))
+    print("\n" + figure8.as_text(rows))
     assert {r.picture for r in rows} >= set(figure8.PHOTOGRAPHS)
     assert {r.sigma for r in rows} == set(figure8.SIGMAS)
     at = {(r.picture, r.sigma): r for r in rows}
@@ -25,7 +25,7 @@ def test_table_meets_the_paper() -> None:
 
 @pytest.mark.parametrize("name", ["gravel", "grass"])
 def test_other_snow(name: str) -> None:
-    """On the average of many falls of snow; how many hit the inner quarter moves a single one by half a per cent."""
+    """The mean over many falls of snow: a single one varies by half a per cent with the flakes in the inner quarter."""
     picture = np.asarray(cv2.resize(getattr(skimage.data, name)(), figure8.SIZE), np.uint8)
     with GoldenBoard() as board:
         rows = [figure8.measure(board, name, picture, [1.5], seed)[0] for seed in range(16)]

@@ -1,4 +1,4 @@
-"""The page: short versions of all it is made of, and what becomes of it when a part fails or misses its bar."""
+"""The page: a short version of each section, and the outcome when a section fails or misses its bar."""
 
 import csv
 from pathlib import Path
@@ -10,7 +10,7 @@ from signum.common.console import progress
 from signum.report.page import Bar, Section
 from signum.reproduce import Maker, OpenBoard, Progress
 from signum.reproduce import __main__ as command
-from signum.reproduce.sections import MAKERS
+from signum.reproduce.makers import MAKERS
 
 
 @pytest.mark.parametrize("name", list(MAKERS))

@@ -1,0 +1,1 @@
+"""A module per kind of table; each has `sections(folder)`, which `folder.py` calls: the folder's part of a page."""

@@ -1,4 +1,4 @@
-"""Tables and pictures of any kind, as they are."""
+"""The report of a folder with none of the known tables: its tables and pictures as they are."""
 
 from __future__ import annotations
 
@@ -6,20 +6,22 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.report.columns import evenly, picture, read
+from signum.report.columns import read_table
 from signum.report.page import Section, row, table
+from signum.report.pictures import pictures
 
-MOST_PICTURES = 12
+MOST_UNKNOWN = 12
+"""Pictures on a page that shows nothing else of what they are."""
 
 
 def sections(folder: Path) -> list[Section]:
     """The pictures of a folder, and the range of every column of its tables; empty if there are none."""
     out = []
-    shown = [p for p in (picture(path) for path in evenly(sorted(folder.glob("*.png")), MOST_PICTURES)) if p]
+    shown = pictures(folder, "*.png", MOST_UNKNOWN)
     if shown:
         out.append(Section("Pictures", row(shown)))
     for path in sorted(folder.glob("*.csv")):
-        columns = read(path)
+        columns = read_table(path)
         lines = []
         for name in columns.names:
             values = columns.numbers(name)
@@ -27,5 +29,5 @@ def sections(folder: Path) -> list[Section]:
             figures = [f"{v:.6g}" for v in (values.min(), np.median(values), values.max())] if values.size else [""] * 3
             lines.append([name, str(len(set(columns.text[name]))), *figures])
         out.append(Section(f"{path.name}: {columns.rows} rows",
-                           table(("column", "different", "least", "median", "most"), lines)))
+                           table(("column", "distinct values", "smallest", "median", "largest"), lines)))
     return out

@@ -7,16 +7,15 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.columns import evenly, picture, read
+from signum.report.columns import read_table
 from signum.report.page import Section, paragraph, plot, row, table
+from signum.report.pictures import pictures
 from signum.tables.schemas import FLOW
-
-MOST_PICTURES = 6
 
 
 def sections(folder: Path) -> list[Section]:
-    """Fields, and the picture's overall motion over time."""
-    flow = read(folder / "flow.csv", FLOW)
+    """Fields, and the overall motion of the picture over time."""
+    flow = read_table(folder / "flow.csv", FLOW)
     valid = flow.numbers("valid") > 0
     dx, dy = flow.numbers("dx_px"), flow.numbers("dy_px")
     fields = list(flow.groups("frame_b").values())
@@ -27,17 +26,16 @@ def sections(folder: Path) -> list[Section]:
     lines = [("pairs of frames", str(len(fields))), ("windows", str(flow.rows)),
              ("valid", f"{valid.mean():.1%}" if flow.rows else "none")]
     if speed.size:
-        lines.append(("motion, px a frame: median, most", f"{np.median(speed):.2f}, {speed.max():.2f}"))
+        lines.append(("motion, px per frame: median, largest", f"{np.median(speed):.2f}, {speed.max():.2f}"))
     fig, axes = plt.subplots(2, 1, figsize=(9, 4.4), sharex=True)
     for axis, name in enumerate(("right", "down")):
         axes[0].plot(median[:, axis], label=name)
-    axes[0].set(ylabel="median flow, px a frame")
+    axes[0].set(ylabel="median flow, px per frame")
     axes[0].legend(loc="upper right")
     axes[1].plot(shares, color="tab:green")
     axes[1].set(ylabel="share valid", xlabel="pair of frames", ylim=(0, 1.02))
-    shown = [p for p in (picture(path) for path in evenly(sorted(folder.glob("flow_*.png")), MOST_PICTURES)) if p]
-    about = ("Every arrow is one window's displacement to the next frame, twice as long; a cross is a measurement that "
-             "was refused." + (" All fields: flow.mp4." if (folder / "flow.mp4").exists() else ""))
-    return [Section("Flow fields", paragraph(about) + row(shown)),
+    about = ("Every arrow is the displacement of one window to the next frame, drawn twice as long; a cross is a "
+             "measurement that was refused." + (" All fields: flow.mp4." if (folder / "flow.mp4").exists() else ""))
+    return [Section("Flow fields", paragraph(about) + row(pictures(folder, "flow_*.png"))),
             Section("Motion of the picture", row([plot(fig, "median of the valid windows, pair by pair")])
                     + table(("", ""), lines))]

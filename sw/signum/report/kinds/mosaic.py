@@ -7,42 +7,43 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.columns import Columns, picture, read
+from signum.report.columns import Columns, read_table
 from signum.report.page import Section, plot, row, table
+from signum.report.pictures import picture
 from signum.tables.schemas import EDGES, POSES
 
 COLOURS = {"sequence": "tab:blue", "loop": "tab:green", "join": "tab:orange", "live": "tab:cyan"}
 
 
 def sections(folder: Path) -> list[Section]:
-    """The mosaic, how its frames hang together, how well its links agree, and its errors where the truth is known."""
-    edges = read(folder / "edges.csv", EDGES)
+    """The mosaic, its pose graph, how well the edges agree, and the errors where the truth is known."""
+    edges = read_table(folder / "edges.csv", EDGES)
     files = sorted(folder.glob("poses*.csv"), key=lambda p: (len(p.stem), p.stem))
-    pieces = [read(file, POSES) for file in files]
+    pieces = [read_table(file, POSES) for file in files]
     accepted = edges.numbers("accepted") > 0
     kinds = edges.text.get("kind", ["sequence"] * edges.rows)
-    lines = [("frames placed", str(sum(p.rows for p in pieces))), ("pieces", str(len(pieces)))]
+    lines = [("frames placed", str(sum(p.rows for p in pieces))), ("components", str(len(pieces)))]
     for kind in dict.fromkeys(kinds):
         of = np.array([k == kind for k in kinds])
-        lines.append((f"links, {kind}: accepted of measured", f"{int((accepted & of).sum())} of {int(of.sum())}"))
-    misses = np.concatenate([_misses(edges, piece) for piece in pieces]) if pieces else np.empty(0)
-    if len(misses):
-        lines.append(("accepted links miss the poses by: median, 95 %, most, px",
-                      f"{np.median(misses):.1f}, {np.percentile(misses, 95):.1f}, {misses.max():.1f}"))
+        lines.append((f"edges, {kind}: accepted of measured", f"{int((accepted & of).sum())} of {int(of.sum())}"))
+    residuals = np.concatenate([_residuals(edges, piece) for piece in pieces]) if pieces else np.empty(0)
+    if len(residuals):
+        lines.append(("residuals of accepted edges: median, 95th percentile, largest, px",
+                      f"{np.median(residuals):.1f}, {np.percentile(residuals, 95):.1f}, {residuals.max():.1f}"))
     shown = [picture(folder / f"mosaic{file.stem.removeprefix('poses')}.png", f"mosaic of {piece.rows} frames")
              for file, piece in list(zip(files, pieces, strict=True))[:4]
              if (folder / f"mosaic{file.stem.removeprefix('poses')}.png").exists()]
     out = [Section("Mosaic", row(shown) + table(("", ""), lines))]
     if pieces and pieces[0].rows > 1:
-        out.append(Section("How the frames hang together", row([_links(edges, pieces[0], kinds), _hist(misses)])))
+        out.append(Section("Pose graph", row([_graph(edges, pieces[0], kinds), _hist(residuals)])))
     if (folder / "accuracy.csv").exists():
-        errors = read(folder / "accuracy.csv")
+        errors = read_table(folder / "accuracy.csv")
         body = [[errors.text[name][i] for name in errors.names] for i in range(errors.rows)]
         out.append(Section("Against the truth", table(errors.names, body)))
     refused = [[edges.text[n][i] for n in ("frame_a", "frame_b")] + [kinds[i], edges.text["reason"][i]]
                for i in range(edges.rows) if not accepted[i]][:200] if "reason" in edges.text else []
     if refused:
-        out.append(Section("Refused links", table(("frame a", "frame b", "kind", "why"), refused)))
+        out.append(Section("Refused edges", table(("frame a", "frame b", "kind", "reason"), refused)))
     return out
 
 
@@ -50,8 +51,8 @@ def _centres(piece: Columns) -> dict[str, complex]:
     return dict(zip(piece.text["frame"], piece.numbers("x_px") + 1j * piece.numbers("y_px"), strict=True))
 
 
-def _misses(edges: Columns, piece: Columns) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Distance, pixels of b, between where an accepted link and where the poses put a's centre."""
+def _residuals(edges: Columns, piece: Columns) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Distance, pixels of b, from a's centre by an accepted edge to a's centre by the poses: (edges,)."""
     at = _centres(piece)
     turn = dict(zip(piece.text["frame"], piece.numbers("scale") * np.exp(1j * np.radians(piece.numbers("rot_deg"))),
                     strict=True))
@@ -62,29 +63,29 @@ def _misses(edges: Columns, piece: Columns) -> np.ndarray[tuple[int], np.dtype[n
     return np.array(out, np.float64)
 
 
-def _links(edges: Columns, piece: Columns, kinds: list[str]) -> str:
+def _graph(edges: Columns, piece: Columns, kinds: list[str]) -> str:
     at = _centres(piece)
     good = edges.numbers("accepted") > 0
     fig, ax = plt.subplots(figsize=(6, 6))
-    told: set[str] = set()
+    labelled: set[str] = set()
     for i in sorted(range(edges.rows), key=lambda k: bool(good[k])):
         a, b = edges.text["frame_a"][i], edges.text["frame_b"][i]
         if a in at and b in at:
             label = kinds[i] if good[i] else "refused"
-            ax.plot([at[a].real, at[b].real], [at[a].imag, at[b].imag], label=None if label in told else label,
+            ax.plot([at[a].real, at[b].real], [at[a].imag, at[b].imag], label=None if label in labelled else label,
                     color=COLOURS.get(label, "tab:red"), lw=1.2 if good[i] else 0.5, alpha=0.9 if good[i] else 0.4)
-            told.add(label)
+            labelled.add(label)
     x, y = [z.real for z in at.values()], [z.imag for z in at.values()]
     ax.plot(x, y, "k.", ms=4)
     ax.set(xlabel="x, px", ylabel="y, px")
     ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
     ax.legend(fontsize=8)
-    return plot(fig, "frame centres in the mosaic plane and the links between them")
+    return plot(fig, "frame centres in the mosaic plane and the edges between them")
 
 
-def _hist(misses: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+def _hist(residuals: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     fig, ax = plt.subplots(figsize=(5, 4))
-    ax.hist(misses, bins=30, color="tab:blue")
-    ax.set(xlabel="px", ylabel="accepted links")
-    return plot(fig, "by how much accepted links miss the poses all of them together give")
+    ax.hist(residuals, bins=30, color="tab:blue")
+    ax.set(xlabel="residual, px", ylabel="accepted edges")
+    return plot(fig, "residuals of the accepted edges against the poses")

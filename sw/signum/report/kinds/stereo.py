@@ -7,17 +7,18 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.columns import evenly, picture, read
+from signum.report.columns import read_table
 from signum.report.page import Section, paragraph, plot, row, table
+from signum.report.pictures import pictures
 from signum.tables.schemas import DISPARITY
 
-MOST_PICTURES = 6
 MOST_LINES = 40
+"""Frames in the table."""
 
 
 def sections(folder: Path) -> list[Section]:
-    """Maps, and the distribution of what was measured."""
-    found = read(folder / "disparity.csv", DISPARITY)
+    """Maps, and the distribution of the measured ranges or disparities."""
+    found = read_table(folder / "disparity.csv", DISPARITY)
     valid = found.numbers("valid") > 0
     disparity, metres = found.numbers("disparity_px"), found.numbers("range_m")
     known = bool(np.isfinite(metres).any())
@@ -30,10 +31,9 @@ def sections(folder: Path) -> list[Section]:
     fig, ax = plt.subplots(figsize=(6, 3))
     ax.hist(values[np.isfinite(values)], bins=60)
     ax.set(xlabel=unit, ylabel="windows")
-    shown = [p for p in (picture(path) for path in evenly(sorted(folder.glob("range*.png")), MOST_PICTURES)) if p]
     about = ("Colour is " + ("range in metres" if known else "disparity in pixels of the board's picture")
-             + "; where the picture shows, no measurement passed its checks: texture, margin over the second best, the "
-             "search from right to left, and agreement with a window twice as large.")
-    heads = "frame", "windows valid", f"{unit}: 5 % below", "median", "95 % below"
-    return [Section("Range maps", paragraph(about) + row(shown)),
-            Section("What was measured", row([plot(fig, "all valid windows")]) + table(heads, lines))]
+             + "; where the grey picture shows, no measurement passed its checks: texture, margin over the second "
+             "best, the search from right to left, and agreement with a window twice as large.")
+    heads = "frame", "windows valid", f"{unit}: 5th percentile", "median", "95th percentile"
+    return [Section("Range maps", paragraph(about) + row(pictures(folder, "range*.png"))),
+            Section("Measurements", row([plot(fig, "all valid windows")]) + table(heads, lines))]

@@ -7,31 +7,33 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.columns import Columns, picture, read
+from signum.report.columns import Columns, read_table
 from signum.report.page import Section, paragraph, plot, row, table
+from signum.report.pictures import picture
 from signum.tables.schemas import DRIFT, TRACK
 
 
 def sections(folder: Path) -> list[Section]:
-    """Tracks and what is known of their drift."""
-    tracks = read(folder / "track.csv", TRACK)
+    """Tracks, and the estimate of their drift."""
+    tracks = read_table(folder / "track.csv", TRACK)
     valid = tracks.numbers("valid") > 0
     frames, features = tracks.groups("frame"), tracks.groups("feature")
     lives = [int(valid[rows].sum()) for rows in features.values()]
     lines = [("frames", str(len(frames))), ("features", str(len(features))), ("measurements", str(tracks.rows)),
              ("valid", f"{valid.mean():.1%}" if tracks.rows else "none"),
-             ("frames a feature is valid: median, most", f"{np.median(lives):.0f}, {max(lives)}" if lives else "none")]
+             ("frames in which a feature is valid: median, largest",
+              f"{np.median(lives):.0f}, {max(lives)}" if lives else "none")]
     shown = [_picture(folder), _counts(tracks)]
     out = [Section("Features tracked against the image they were chosen in", row([p for p in shown if p])
                    + table(("", ""), lines))]
     if (folder / "drift.csv").exists():
-        out.append(Section("Drift", _drift(read(folder / "drift.csv", DRIFT))))
+        out.append(Section("Drift", _drift(read_table(folder / "drift.csv", DRIFT))))
     return out
 
 
 def _picture(folder: Path) -> str:
     path = folder / "track.png"
-    return picture(path, "the last frame: green where valid, with the way it came") if path.exists() else ""
+    return picture(path, "the last frame: green where valid, with its path") if path.exists() else ""
 
 
 def _counts(tracks: Columns) -> str:
@@ -50,7 +52,7 @@ def _drift(drift: Columns) -> str:
     error, links = drift.numbers("error_px"), drift.numbers("links")
     total = float(valid.sum())
     if not total:
-        return paragraph("No position is valid, so there is nothing that could drift.")
+        return paragraph("No position is valid, so none can drift.")
     share = float(direct.sum()) / total
     text = (f"{share:.1%} of the {total:.0f} valid positions rest on one measurement against the image the feature was "
             "chosen in: these cannot drift, however long the run. ")

@@ -1,4 +1,4 @@
-"""What the page of `make reproduce` is made of, in its order."""
+"""The makers of the page of `make reproduce`, by name, in the order of the page."""
 
 from __future__ import annotations
 

@@ -1,0 +1,52 @@
+"""The options that several commands share, each defined once, and the names of the groups in `--help`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from golden.params import MAX_SIGMA, MIN_SIGMA
+
+SOURCE, BOARD, OUTPUT, SIMULATION = "Source", "Board", "Output", "Simulation"
+"""Groups of options that several commands have."""
+
+
+class BoardName(StrEnum):
+    """`boards.BOARDS`, as a choice."""
+
+    golden = "golden"
+    verilated = "verilated"
+
+
+SourceArgument = Annotated[str, typer.Argument(
+    help="Video, folder of pictures, ROS bag, .npy array or camera number.", show_default=False)]
+CalibrationOption = Annotated[Path | None, typer.Option(
+    "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, "
+    "image_width, image_height): lens distortion is taken out of every frame.")]
+OutOption = Annotated[Path, typer.Option("--out", rich_help_panel=OUTPUT,
+                                         help="Folder for the files that are written; made if missing.")]
+BoardOption = Annotated[BoardName, typer.Option(
+    "--board", rich_help_panel=BOARD, help="Golden model, or RTL under Verilator: identical bits.")]
+SigmaOption = Annotated[float, typer.Option(
+    "--sigma", rich_help_panel=BOARD, min=MIN_SIGMA, max=MAX_SIGMA,
+    help="Width of the LoG's Gaussian, pixels of the board's picture.")]
+WindowOption = Annotated[int, typer.Option(
+    "--window", rich_help_panel=BOARD, min=8, max=128,
+    help="Side of the correlation windows, pixels of the board's picture.")]
+SecondsOption = Annotated[float | None, typer.Option(
+    "--seconds", min=1.0, show_default="60; a source's whole length", help="Length of the run.")]
+SeedOption = Annotated[int, typer.Option("--seed", rich_help_panel=SIMULATION, min=0,
+                                         help="Seed of all that is random in the simulated world.")]
+
+
+@dataclass(frozen=True)
+class BoardOptions:
+    """Which board measures, and with what filter and window."""
+
+    board: BoardOption = BoardName.golden
+    sigma: SigmaOption = 2.0
+    window: WindowOption = 64

@@ -1,0 +1,76 @@
+"""What `signum simulate` writes: frames as video or pictures, the truth, the cameras' calibration."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from signum.common.arrays import Image
+from signum.common.errors import SignumError
+from signum.tables.table import Table
+from signum.world.camera import Pinhole
+from signum.world.scenes import BASELINE_M, Still
+
+
+class Reel:
+    """Writes frames as video or pictures, and `truth.csv`; complete after every frame but for a video, whose end
+    `close` writes."""
+
+    def __init__(self, folder: Path, rate: float, pictures: bool, columns: list[str]) -> None:
+        self.folder, self.rate, self.pictures = folder, rate, pictures
+        self.names: list[str] = []
+        self.count = 0
+        self._writers: list[cv2.VideoWriter] = []
+        self._columns = columns
+        self._table = Table(folder / "truth.csv", ["frame", "time_s", *columns])
+
+    def add(self, still: Still) -> None:
+        """Write the frames and the truth of a moment."""
+        for side, frame in zip(("left", "right"), still.frames, strict=False):
+            name = side if self.pictures else f"{side}.mp4"
+            if name not in self.names:
+                self.names.append(name)
+                self._open(name, frame)
+            if self.pictures:
+                cv2.imwrite(str(self.folder / side / f"{self.count:05d}.png"), frame)
+            else:
+                self._writers[self.names.index(name)].write(frame)
+        frame_name = f"{self.count:05d}" if self.pictures else str(self.count)
+        self._table.write([frame_name, f"{still.time:.3f}",
+                           *("" if math.isnan(still.truth[c]) else f"{still.truth[c]:.5f}" for c in self._columns)])
+        self.count += 1
+
+    def _open(self, name: str, frame: Image) -> None:
+        if self.pictures:
+            folder = self.folder / name
+            folder.mkdir(exist_ok=True)
+            for old in folder.glob("*.png"):  # from an earlier, longer run
+                old.unlink()
+            return
+        size = frame.shape[1], frame.shape[0]
+        self._writers.append(cv2.VideoWriter(str(self.folder / name), cv2.VideoWriter.fourcc(*"mp4v"), self.rate, size,
+                                             isColor=False))
+        if not self._writers[-1].isOpened():
+            raise SignumError(f"{self.folder / name}: this OpenCV writes no MP4; use --pictures")
+
+    def close(self) -> None:
+        """Finish the files."""
+        self._table.close()
+        for writer in self._writers:
+            writer.release()
+
+
+def write_calibration(path: Path, camera: Pinhole) -> None:
+    """The simulated cameras in OpenCV's YAML: one alone, and the stereo pair."""
+    k = np.array([[camera.focal, 0, camera.centre[0]], [0, camera.focal, camera.centre[1]], [0, 0, 1]])
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    storage.write("image_width", camera.size[0])
+    storage.write("image_height", camera.size[1])
+    for name, value in (("camera_matrix", k), ("distortion_coefficients", np.zeros((1, 5))), ("K1", k),
+                        ("D1", np.zeros((1, 5))), ("K2", k), ("D2", np.zeros((1, 5))), ("R", np.eye(3)),
+                        ("T", np.array([[-BASELINE_M], [0.0], [0.0]]))):
+        storage.write(name, value)
+    storage.release()

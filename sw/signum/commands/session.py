@@ -1,0 +1,176 @@
+"""What the commands that measure have in common: source, board, folder, progress, tables, report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from types import TracebackType
+from typing import Self, TypeVar
+
+from signum.boards import open_board
+from signum.boards.board import Board
+from signum.commands.options import BoardName, BoardOptions
+from signum.common.console import notes, out, progress
+from signum.common.errors import SignumError
+from signum.frames.fit import Fit
+from signum.frames.frame import Frame, Source
+from signum.measure.measurer import Measurer
+from signum.sources.open import open_source
+from signum.tables.table import Table
+
+CLOCK_HZ = 150e6
+"""Clock of a real board for which times are given."""
+T = TypeVar("T")
+
+
+class Session:
+    """A command's run; use it in a `with`.
+
+    On leaving, also after an error or an interrupt, it closes what was opened and writes the report, if there is one.
+    Unless an error ended the run, it then prints what the board did and what was written.
+
+    Args:
+        chosen: the board, its filter and window.
+        folder: for the files that are written.
+        source: what the user named as the source of frames, None for none.
+        calibration: of the source's camera, whose distortion is taken out.
+
+    Attributes:
+        board: the open board.
+        done: frames finished so far.
+        report: writes the report; None as long as there is nothing to report.
+        summary: the line on what was written; None for none.
+
+    Raises:
+        SignumError: if the source cannot be used, or the window does not suit the board.
+    """
+
+    board: Board
+
+    def __init__(self, chosen: BoardOptions, folder: Path, source: str | None = None, calibration: Path | None = None,
+                 ) -> None:
+        self.chosen, self.folder = chosen, folder
+        self._source = None if source is None else open_source(source, calibration)
+        self.done = 0
+        self.report: Callable[[], object] | None = None
+        self.summary: Callable[[], str] | None = None
+        self._tell: Callable[[str], None] = lambda state: None
+        self._bar, self._opened, self._powered = ExitStack(), ExitStack(), ExitStack()
+
+    def __enter__(self) -> Self:
+        self.board = self._powered.enter_context(board_of(self.chosen.board, self.chosen.window))
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        whole = self.done > 0 and (kind is None or issubclass(kind, KeyboardInterrupt))
+        with self._powered:
+            with self._opened:
+                self._bar.close()
+            if self.report is not None:
+                self.report()
+            if whole:
+                notes.print(clocks_line(self.board, self.done))
+        if whole and self.summary is not None:
+            out.print(self.summary())
+
+    @property
+    def source(self) -> Source:
+        """The source of frames."""
+        assert self._source is not None
+        return self._source
+
+    @cached_property
+    def output(self) -> Path:
+        """The folder for what is written, made on first use."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        return self.folder
+
+    @cached_property
+    def first(self) -> Frame:
+        """The source's first frame; `frames` gives it again."""
+        return next(self._frames)
+
+    @cached_property
+    def _frames(self) -> Iterator[Frame]:
+        return iter(self.source)
+
+    @cached_property
+    def fit(self) -> Fit:
+        """How the source's frames are scaled for the board."""
+        return self.fit_to(self.first.size, f"{self.source.label}: frame {self.first.name}")
+
+    def fit_to(self, size: tuple[int, int], label: str) -> Fit:
+        """How pictures of a size (width, height) are scaled for the board; prints a note where they are.
+
+        Raises:
+            SourceError: if they are too small; the message begins with `label`.
+        """
+        fit = Fit.to(size, self.board.config, self.chosen.window, label)
+        if fit.scaled:
+            notes.print(fit.note())
+        return fit
+
+    def measurer(self, size: tuple[int, int], sigma: float | None = None) -> Measurer:
+        """A measurer for pictures of a size, by default with the chosen sigma."""
+        return Measurer(self.board, size, self.chosen.sigma if sigma is None else sigma)
+
+    def frames(self) -> Iterator[Frame]:
+        """The source's frames from the first, without a progress line."""
+        return chain([self.first], self._frames)
+
+    def steps(self, what: str, items: Iterable[T], total: int | None) -> Iterator[T]:
+        """The items, with a progress line until the last; `tell` advances it."""
+        self._tell = self._bar.enter_context(progress(what, total))
+        yield from items
+        self._bar.close()
+
+    def tell(self, state: str) -> None:
+        """Count a finished frame; the progress line shows `state`."""
+        self.done += 1
+        self._tell(state)
+
+    def table(self, name: str, columns: Sequence[str]) -> Table:
+        """A table in the folder, closed on leaving."""
+        table = Table(self.output / name, columns)
+        self.at_end(table.close)
+        return table
+
+    def open(self, context: AbstractContextManager[T]) -> T:
+        """Enter a context that is left with the session."""
+        return self._opened.enter_context(context)
+
+    def at_end(self, call: Callable[[], object]) -> None:
+        """Call something on leaving, before the report is written; the last added is called first."""
+        self._opened.callback(call)
+
+    def report_folder(self) -> None:
+        """Write `report.html` from the tables and pictures in the folder."""
+        from signum.report.folder import write_report  # plots take seconds to load
+
+        write_report(self.output)
+
+
+@contextmanager
+def board_of(name: BoardName, window: int = 8) -> Iterator[Board]:
+    """The board, opened and closed again.
+
+    Raises:
+        SignumError: if it takes no windows of this size.
+    """
+    if name == "verilated":
+        notes.print("board: Verilated RTL (built once, on first use)")
+    with open_board(name) as board:
+        if not board.config.min_window <= window <= board.config.max_window:
+            raise SignumError(f"--window {window}: choose {board.config.min_window} to {board.config.max_window}")
+        yield board
+
+
+def clocks_line(board: Board, frames: int) -> str:
+    """What the board did, in a line; `frames` is 1 or more."""
+    kind = "" if board.name == "verilated" else " (estimated)"
+    per = board.clocks / frames
+    return f"board: {board.clocks:,} clocks{kind}, {1e3 * per / CLOCK_HZ:.2f} ms a frame at {CLOCK_HZ / 1e6:.0f} MHz"
