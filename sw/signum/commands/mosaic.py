@@ -109,7 +109,7 @@ def mosaic(
                         survey = Survey(Registrar.on(measurer, fit, window, sigma), output, not frames.snapshots,
                                         settings, frames.label, _resumes(resume, output, frames, frame, window, sigma,
                                                                          settings), every)
-                        survey.ground = ground
+                        survey.results.ground = ground
                     tell(survey.add(frame))
                     done += 1
             assert survey is not None
@@ -128,8 +128,8 @@ def mosaic(
                 write_report(output)
         notes.print(clocks_line(b, done))
     _tell(survey, done, known is not None)
-    if survey.trouble:
-        raise SignumError(survey.trouble)
+    if survey.results.trouble:
+        raise SignumError(survey.results.trouble)
 
 
 def _resumes(asked: bool | None, output: Path, frames: Source, frame: Frame, window: int, sigma: float,
@@ -173,7 +173,7 @@ def _judge(survey: Survey, truth: Track) -> None:
     table = Table(survey.out / "accuracy.csv", ACCURACY)
     try:
         for way, place in WAYS.items():
-            poses = place(survey, piece)
+            poses = place(survey.ledger, piece)
             if poses:
                 table_rows = accuracy_rows(way, pose_errors(poses, truth), truth.unit)
                 for line in table_rows:

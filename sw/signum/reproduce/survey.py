@@ -152,10 +152,10 @@ def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[
         piece = survey.ranked()[0]
         pairs = read_pairs(SHARED / run / "sift_pairs.csv")
         if len(piece.stored) == source.count:
-            off = residuals(piece.places, pairs, survey.size)
+            off = residuals(piece.places, pairs, survey.ledger.size)
         else:
             off = np.array([np.inf])
-        edges = survey.accepted
+        edges = survey.ledger.accepted
         line = [run, f"{len(piece.stored)} of {source.count}", str(len(edges)), f"{off.mean():.2f}",
                 f"{np.median(off):.2f}"]
         if run == "skerki":
