@@ -105,13 +105,14 @@ def _columns(board: Board, out: Path, seed: int, quick: bool, progress: Progress
             pass
     piece = survey.ranked()[0]
     truth = Track({f"{r}-{c}": flown.position((r, c)) for r, c in flown.truth}, {}, "px")
-    errors = {way: pose_errors(place(survey, piece), truth) for way, place in WAYS.items()}
+    errors = {way: pose_errors(place(survey.ledger, piece), truth) for way, place in WAYS.items()}
     heads = ("placed by", "absolute error, RMS px", "most, px", "frame to frame, RMS px")
     lines = [[way, *(f"{v:.2f}" for v in (_rms(e.ape), e.ape.max(), _rms(e.rpe)))] for way, e in errors.items()]
     worst = {way: _rms(e.ape) for way, e in errors.items()}
     text = (f"{side}x{side} frames over relief of {100 * plan.relief:.0f} cm, heading held to {plan.yaw_deg:g} "
-            f"degrees, flown back and forth; {len(survey.accepted)} edges accepted of {len(survey.edges)} measured. "
-            "Columns are not told. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
+            f"degrees, flown back and forth; {len(survey.ledger.accepted)} edges accepted of {len(survey.edges)} "
+            "measured. "
+            "No columns are given. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
             "few edges as there are (figure 17) keeps them together; least squares over all of them comes last. Errors "
             "are those of the frames' centres after the best similarity.")
     bars = (Bar("frames in one piece, share", len(piece.stored) / len(flown.frames), ">=", 1.0),
@@ -125,9 +126,9 @@ def _columns(board: Board, out: Path, seed: int, quick: bool, progress: Progress
 
 def _by_sequence(survey: Survey, piece: Piece) -> Image:
     """The mosaic as the sequence alone would have it."""
-    edges = [edge for edge in survey.edges_of(piece) if edge.kind == SEQUENCE]
+    edges = [edge for edge in survey.ledger.edges_of(piece) if edge.kind == SEQUENCE]
     places = chain(piece.stored[0], edges)
-    return compose(survey.shelf.pictures(list(places)), list(places.values())).picture
+    return compose(survey.ledger.shelf.pictures(list(places)), list(places.values())).picture
 
 
 def _ways(flown: Flown, errors: dict[str, PoseErrors], survey: Survey, piece: Piece) -> str:
@@ -135,7 +136,7 @@ def _ways(flown: Flown, errors: dict[str, PoseErrors], survey: Survey, piece: Pi
     at = {f"{r}-{c}": flown.position((r, c)) for r, c in flown.truth}
     for ax, (way, place) in zip(axes, WAYS.items(), strict=True):
         onto = errors[way].onto
-        placed = [onto.factor * complex(p.x_px, p.y_px) + onto.shift for p in place(survey, piece)]
+        placed = [onto.factor * complex(p.x_px, p.y_px) + onto.shift for p in place(survey.ledger, piece)]
         true = [at[name] for name in piece.stored]
         ax.plot([z.real for z in true], [z.imag for z in true], "-", color="0.8", lw=3)
         ax.plot([z.real for z in placed], [z.imag for z in placed], ".-", color="tab:red", lw=0.8)

@@ -152,10 +152,10 @@ def _real(board: Board, out: Path, quick: bool, progress: Progress) -> list[Sect
         piece = survey.ranked()[0]
         pairs = read_pairs(SHARED / run / "sift_pairs.csv")
         if len(piece.stored) == source.count:
-            off = residuals(piece.places, pairs, survey.size)
+            off = residuals(piece.places, pairs, survey.ledger.size)
         else:
             off = np.array([np.inf])
-        edges = survey.accepted
+        edges = survey.ledger.accepted
         line = [run, f"{len(piece.stored)} of {source.count}", str(len(edges)), f"{off.mean():.2f}",
                 f"{np.median(off):.2f}"]
         if run == "skerki":
@@ -174,8 +174,8 @@ def _real(board: Board, out: Path, quick: bool, progress: Progress) -> list[Sect
         shown.append(figure(np.asarray(cv2.resize(picture, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
                                        np.uint8), run))
     heads = ("survey", "frames in one piece", "edges", "SIFT residual: mean, px", "median, px", "georef RMS, cm")
-    text = ("Columns are not told: the frames are taken in their order, all neighbours linked, all placed by least "
-            "squares. Residuals are means over the quarter points of each pair's frame.")
+    text = ("No columns are given: the frames are taken in order, edges to all neighbours are measured, and all are "
+            "placed by least squares. Residuals are means over the quarter points of each pair's frame.")
     return [Section("Real surveys", paragraph(text) + row(shown) + table(heads, lines), tuple(bars))]
 
 

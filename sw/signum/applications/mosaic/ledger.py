@@ -1,4 +1,4 @@
-"""What a survey knows: its pieces, the edges that hold them together, where these put every frame."""
+"""The state of a survey: its pieces, the edges that hold them together, and where these place every frame."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 
 from signum.applications.mosaic.edges import LIVE, SURVEY_EDGES, Edge
 from signum.applications.mosaic.graph import Solution, solve_graph
+from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity
@@ -18,14 +19,14 @@ from signum.measure.register import Prepared, Registrar
 
 @dataclass
 class Piece:
-    """Frames that hang together; its plane is that of its first frame.
+    """Connected frames; the plane of a piece is that of its first frame.
 
     Attributes:
         stored: frames in the graph, in order.
         places: of those, pixels of the frame -> plane.
-        hung: frames of a stream between them: which stored frame each hangs on, and its pixels -> that one's.
-        frames: all of them, in order.
-        solution: the last.
+        hung: frames of a stream between them: the stored frame each depends on, and its pixels -> that one's.
+        frames: all frames, in order.
+        solution: the latest.
     """
 
     stored: list[str] = field(default_factory=list)
@@ -41,14 +42,32 @@ class Piece:
         key, onto = self.hung[name]
         return self.places[key] @ onto
 
+    def hang(self, edge: Edge) -> None:
+        """Add a frame of a stream by its edge to a stored frame, without storing it."""
+        self.hung[edge.frame_b] = edge.frame_a, edge.similarity.inverse
+        self.frames.append(edge.frame_b)
+
+    def enter(self, edge: Edge) -> None:
+        """Add a stored frame by its edge to another."""
+        name = edge.frame_b
+        self.hung.pop(name, None)
+        self.stored.append(name)
+        if name not in self.frames:
+            self.frames.append(name)
+        self.places[name] = self.places[edge.frame_a] @ edge.similarity.inverse
+
 
 class Ledger:
     """Pieces and edges, with a row in `edges.csv` for every edge noted.
 
     Args:
         registrar: for frames of this size.
-        out: folder of `edges.csv` and of the frames that are kept.
+        out: folder of `edges.csv` and of the stored frames.
         settings: see `SurveySettings`.
+
+    Attributes:
+        centre, size: of the frames, pixels.
+        partners: by frame, the frames it has accepted edges with.
     """
 
     def __init__(self, registrar: Registrar, out: Path, settings: SurveySettings) -> None:
@@ -59,13 +78,21 @@ class Ledger:
         self.pieces: list[Piece] = []
         self.edges: list[Edge] = []
         self.partners: dict[str, set[str]] = {}
-        """Frames a frame has accepted edges with."""
 
-    def open_edges(self, anew: bool) -> None:
-        """Begin to write `edges.csv`, or go on with it."""
+    def open_table(self, anew: bool) -> None:
+        """Begin to write `edges.csv`, or continue it."""
         self._table = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
         if anew:
             self._write(SURVEY_EDGES)
+
+    def close_table(self) -> None:
+        """Write no more rows."""
+        self._table.close()
+
+    @property
+    def closed(self) -> bool:
+        """Whether `edges.csv` is complete."""
+        return self._table.closed
 
     @property
     def accepted(self) -> list[Edge]:
@@ -80,35 +107,39 @@ class Ledger:
         """The pieces, that with most frames first."""
         return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
-    @staticmethod
-    def enter(piece: Piece, edge: Edge) -> None:
-        name = edge.frame_b
-        piece.hung.pop(name, None)
-        piece.stored.append(name)
-        if name not in piece.frames:
-            piece.frames.append(name)
-        piece.places[name] = piece.places[edge.frame_a] @ edge.similarity.inverse
-
-    def prepared(self, name: str) -> Prepared:
-        return self.shelf.prepared(name, self.registrar)
-
     def piece_of(self, name: str) -> Piece:
+        """The piece a stored frame belongs to."""
         return next(piece for piece in reversed(self.pieces) if name in piece.places)
 
+    def poses(self, piece: Piece) -> list[Pose]:
+        """Poses of a piece's frames, in order."""
+        return [Pose.of(name, piece.place(name), self.centre) for name in piece.frames]
+
+    def prepared(self, name: str) -> Prepared:
+        """A stored frame as the board sees it."""
+        return self.shelf.prepared(name, self.registrar)
+
+    def begin(self, name: str) -> Piece:
+        """Begin a piece with a stored frame; its plane is this frame's."""
+        piece = Piece([name], {name: IDENTITY}, frames=[name])
+        self.pieces.append(piece)
+        return piece
+
     def note(self, edge: Edge) -> Edge:
-        """Record an edge."""
-        self.know(edge)
+        """Record an edge, also in `edges.csv`."""
+        self.recall(edge)
         self._write(edge.row)
         return edge
 
-    def know(self, edge: Edge) -> None:
+    def recall(self, edge: Edge) -> None:
+        """Record an edge that is in `edges.csv` already."""
         self.edges.append(edge)
         if edge.accepted and edge.kind != LIVE:
             self.partners.setdefault(edge.frame_a, set()).add(edge.frame_b)
             self.partners.setdefault(edge.frame_b, set()).add(edge.frame_a)
 
     def _write(self, row: Sequence[object]) -> None:
-        # A row goes to the disk in one piece, its newline with it.
+        # A row is written in one call, newline included, so that a crash leaves at most one incomplete row.
         line = io.StringIO()
         csv.writer(line, lineterminator="\n").writerow(row)
         self._table.write(line.getvalue())
@@ -121,7 +152,7 @@ class Ledger:
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
-        """One piece of two that edges hold together; the frames of the later one come last."""
+        """Make one piece of two that edges now connect; the frames of the later one come last."""
         if self.pieces.index(early) > self.pieces.index(late):
             early, late = late, early
         early.stored += late.stored
@@ -129,7 +160,7 @@ class Ledger:
         early.hung |= late.hung
         early.places |= dict.fromkeys(late.stored, IDENTITY)
         start = {name: early.places[name] for name in early.stored if name not in late.places}
-        # The one whose frames are still coming stays last.
+        # The last piece is the one that new frames are added to, and stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
         early.solution = solve_graph(early.stored[0], self.edges_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)

@@ -37,8 +37,8 @@ app = application()
 PLAN = Plan(rows=3, columns=3, size=(192, 144), focal=220.0, step=(0.5, 0.5), yaw_deg=2.0)
 KILLED = """
 import os, signal
-from signum.applications.mosaic.survey import Survey
-write, rows = Survey._write, []
+from signum.applications.mosaic.ledger import Ledger
+write, rows = Ledger._write, []
 def written(self, row):
     write(self, row)
     rows.append(row)
@@ -46,7 +46,7 @@ def written(self, row):
         self._table.write("00,0")
         self._table.flush()
         os.kill(os.getpid(), signal.SIGKILL)
-Survey._write = written
+Ledger._write = written
 from signum.commands.cli import main
 main()
 """
@@ -157,7 +157,7 @@ def test_it_grows_while_frames_arrive(flown: Flown, tmp_path: Path) -> None:
     areas = []
     for k, cell in enumerate(flown.sequence()[:5]):
         survey.add(Frame(str(k), flown.frames[cell]))
-        survey._look_took = 0.0
+        survey._update_took = 0.0
         areas.append(int((np.asarray(cv2.imread(str(tmp_path / "mosaic.png"))) > 0).sum()))
         assert len(_rows(tmp_path / "poses.csv")) == k + 1
     survey.close()
@@ -169,13 +169,13 @@ def test_wrong_predictions_never_make_a_edge(flown: Flown, tmp_path: Path) -> No
     survey = Survey(_registrar(PLAN.size), tmp_path)
     cells = flown.sequence()
     for k, cell in enumerate(cells):
-        survey.shelf.save(str(k), flown.frames[cell])
+        survey.ledger.shelf.save(str(k), flown.frames[cell])
     rng = np.random.default_rng(0)
     wrong = accepted = 0
     for _ in range(40):
         a, b = rng.choice(9, 2, replace=False)
         predicted = Similarity.of(rng.uniform(-6, 6), 1.0, (rng.uniform(-110, 110), rng.uniform(-80, 80)))
-        edge = Loops(survey).measure(str(a), str(b), "loop", predicted, float(rng.uniform(1, 12)))
+        edge = Loops(survey.ledger).measure(str(a), str(b), "loop", predicted, float(rng.uniform(1, 12)))
         if edge.accepted:
             accepted += 1
             true = flown.truth[cells[b]].inverse @ flown.truth[cells[a]]
@@ -253,15 +253,16 @@ def real(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Surve
 def test_skerki_both_columns(real: tuple[Survey, Path]) -> None:
     survey, path = real
     pairs = read_pairs(path / "sift_pairs.csv")
-    off = residuals(survey.ranked()[0].places, pairs, survey.size)
-    print(f"skerki: {len(survey.accepted)} edges, residual mean {off.mean():.2f} px, median {np.median(off):.2f} px")
+    off = residuals(survey.ranked()[0].places, pairs, survey.ledger.size)
+    print(f"skerki: {len(survey.ledger.accepted)} edges, residual mean {off.mean():.2f} px, "
+          f"median {np.median(off):.2f} px")
     assert off.mean() <= 6 and np.median(off) <= 4.5
-    for edge in survey.accepted:
+    for edge in survey.ledger.accepted:
         if edge.kind == SEQUENCE:
             x, y = pairs[edge.frame_a, edge.frame_b].similarity(np.array(edge.centre)) - np.array(edge.centre)
             miss = np.hypot(edge.shift[0] - x, edge.shift[1] - y)
             assert miss <= 8 + 0.05 * np.hypot(x, y), (edge.frame_a, edge.frame_b)
-    assert [edge for edge in survey.accepted if (edge.frame_a, edge.frame_b) == ("07", "08")]
+    assert [edge for edge in survey.ledger.accepted if (edge.frame_a, edge.frame_b) == ("07", "08")]
 
 
 @pytest.mark.parametrize("real", ["imos/test1", "imos/test5"], indirect=True)
