@@ -107,7 +107,8 @@ def _stills(kind: Kind, camera: Pinhole, scene: SceneOptions) -> Iterator[Still]
     """The moments of the run, each with its truth."""
     water, seed = WATERS[scene.water], scene.seed
     if kind is Kind.survey:
-        yield from survey(SurveyPlan().place, scene.seconds, scene.rate, scene.height, scene.stereo, water, seed, camera)
+        yield from survey(SurveyPlan().place, scene.seconds, scene.rate, scene.height, scene.stereo, water, seed,
+                          camera)
         return
     if kind is Kind.drift:
         yield from drift(scene.seconds, scene.rate, scene.height, scene.stereo, water, seed, camera)
