@@ -60,6 +60,10 @@ KEPT = ("slog_store_slice", "slog_ring_slice", "slog_capture_slice", "slog_csr",
         "slog_fir_kernel", "slog_packer_slice")
 """Kept apart like blocks: slices, whose registers are copies of one another on purpose and would be merged; and modules
 of much choice a clock, which are mapped for speed only where nothing beside them is slower."""
+FORGET = tuple(f"setattr {mode}{' '.join(f'-unset {name}' for name in ('src', 'module_src', 'cell_src'))} =*"
+               for mode in ("", "-mod "))
+"""Yosys commands that drop the attributes which hold file names and line numbers, so that a comment or an empty line in
+the sources cannot change the netlist, nor the clock that it reaches."""
 COSTS = {
     "lut4": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 4},
     "ff": {"TRELLIS_FF": 1},
@@ -82,6 +86,7 @@ def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path)
     kept = [f"{block}$*" for block in (*BLOCKS, *KEPT) if block != top]
     return "\n".join([
         " ".join(read),
+        *FORGET,
         f"setattr -mod -set keep_hierarchy 1 {' '.join(kept)}",
         "scratchpad -copy abc9.script.flow3 abc9.script",  # of the mapper's recipes the one with the shortest paths
         f"synth_ecp5 -top {top}",
@@ -89,6 +94,7 @@ def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path)
         "setattr -mod -unset keep_hierarchy *",
         "flatten",
         "clean",
+        *FORGET,
         f"write_json {_seen(folder / 'netlist.json')}", ""])
 
 
