@@ -1,4 +1,4 @@
-"""The register driver on a pair of Python functions: for a board that is reached over UART or Ethernet, and for tests."""
+"""The register driver on a pair of Python functions: for a board reached over UART or Ethernet, and for tests."""
 
 from __future__ import annotations
 

@@ -30,5 +30,9 @@ def pack_jobs(jobs: Iterable[Job], count: tuple[int, int] = (1, 1), step: tuple[
 
 def unpack_results(results: NDArray[Any]) -> list[Result]:
     """Results from an array of `RESULT`."""
-    return [Result(tag, Status(status), x, y, score, tuple(neighbours), runner_up)
-            for tag, status, x, y, score, neighbours, runner_up in results.tolist()]
+    found = []
+    for row, around in zip(results.tolist(), results["neighbours"].tolist(), strict=True):
+        tag, status, x, y, score, _, runner_up = row
+        n0, n1, n2, n3, n4, n5, n6, n7 = around
+        found.append(Result(tag, Status(status), x, y, score, (n0, n1, n2, n3, n4, n5, n6, n7), runner_up))
+    return found

@@ -12,9 +12,10 @@ from skimage import data
 
 from golden import log
 from golden.correlate import Job, Plane, Status, grid, run, surface
+from golden.log import Image
 from golden.params import FULL, TINY, Config
 from sim.board import build as builder
-from sim.board.device import Device, DeviceError, DeviceTimeout, Image, frame_beats
+from sim.board.device import Device, DeviceError, DeviceTimeout, frame_beats
 from sim.toolchain import rtl_sources
 
 
