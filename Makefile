@@ -1,4 +1,4 @@
-# The front door. `make` alone lists what there is.
+# Entry point: `make` alone lists the targets.
 SHELL      := /bin/sh
 PYTHON     ?= python3
 CONFIG     ?= full
@@ -10,7 +10,7 @@ PIP        := $(PY) -m pip --disable-pip-version-check --quiet
 .DEFAULT_GOAL := help
 
 .PHONY: help
-help: ## This list
+help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(VENV)/.installed: requirements.lock pyproject.toml
@@ -26,7 +26,7 @@ $(VENV)/.synth: requirements-synth.lock $(VENV)/.installed
 	@touch $@
 
 .PHONY: setup
-setup: $(VENV)/.installed ## Virtual environment with pinned packages, Verilated board; then .venv/bin/signum
+setup: $(VENV)/.installed ## Virtual environment with pinned packages and the Verilated board; then use .venv/bin/signum
 	@$(PY) -m sim.board
 
 .PHONY: demo
@@ -42,7 +42,7 @@ test: setup ## Every test, on two cores (JOBS=n for others)
 	@$(PY) -m pytest -n $(JOBS)
 
 .PHONY: lint
-lint: $(VENV)/.installed ## Python, RTL and generated files, without running anything
+lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
 	@$(PY) -m ruff check .
 	@$(PY) -m mypy
 	@$(PY) -m golden.params --check
@@ -50,7 +50,7 @@ lint: $(VENV)/.installed ## Python, RTL and generated files, without running any
 	@$(PY) -m sim.lint
 
 .PHONY: synth
-synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same, placed)
+synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
 .PHONY: bench
@@ -58,7 +58,7 @@ bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/benc
 	@$(PY) -m sim.speed
 
 .PHONY: regs
-regs: $(VENV)/.installed ## Regenerate everything made from rtl/control/slog_csr.rdl and golden/params.py
+regs: $(VENV)/.installed ## Regenerate all files made from rtl/control/slog_csr.rdl and golden/params.py
 	@$(PY) -m golden.params
 	@$(PY) -m sim.registers
 
@@ -69,5 +69,5 @@ lock: ## Pin the newest packages that pyproject.toml allows (needs uv)
 	  -c requirements.lock pyproject.toml -o requirements-synth.lock
 
 .PHONY: clean
-clean: ## Remove what was built or written; the virtual environment stays
+clean: ## Remove all builds and outputs, but not the virtual environment
 	rm -rf build out

@@ -1,1 +1,1 @@
-"""Builds and runs the RTL: the cocotb runner and the Verilated board."""
+"""Flows around the RTL: the Verilated board, cocotb runs, registers, lint, synthesis and speeds."""

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Names what `make setup` misses on this machine, and the command that brings it. Arguments: the Python to use.
+# Lists the programs that `make setup` needs and this machine lacks, and the command that installs them. Argument: the Python to use.
 python=${1:-python3}
 missing=""
 need() { missing="$missing $1"; }

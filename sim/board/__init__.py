@@ -1,0 +1,1 @@
+"""The Verilated board: its build, its C interface, the register driver, and both from Python."""

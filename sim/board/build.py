@@ -1,54 +1,35 @@
 """Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace]`.
 
-The library lies under `build/verilated/<config>[-trace]/` with the digest of everything it was made from; a current
-build returns at once.
+The library lies under `build/verilated/<config>[-trace]/` with digests of everything that it and its model were made
+from; a current build returns at once. The driver alone, without a board, lies in `build/driver/`.
 """
 
 from __future__ import annotations
 
 import argparse
-import fcntl
-import hashlib
 import os
 import platform
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from golden.params import CONFIGS
-from sim.toolchain import (
-    BUILD,
-    ROOT,
-    RTL,
-    TOP,
-    WAIVERS,
-    headers,
-    rtl_sources,
-    verilator_env,
-    verilator_root,
-    wave_format,
-)
+from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
+from sim.toolchain import BUILD, ROOT, TOP, WAIVERS, headers, rtl_sources, verilator_env, verilator_root, wave_format
 
-HARNESS = Path(__file__).with_name("api.cpp")
-HEADER = ROOT / "sim" / "registers" / "gen" / "slog_csr.h"
-VERILATOR_FLAGS = ["-Wall", "-O3", "--unroll-count", "2048", "--no-timing",
-                   "--x-assign", "fast", "--x-initial", "fast",
-                   # Assertions are for the cocotb builds, here they would cost time; some signals feed nothing else.
+HERE = Path(__file__).parent
+REGISTERS = ROOT / "sim" / "registers" / "gen" / "slog_csr.h"
+VERILATOR_FLAGS = [*VERILATOR_ARGS, *UNROLL, "-O3", "--no-timing", "--x-assign", "fast", "--x-initial", "fast",
+                   # Assertions are for the cocotb builds, here they would cost time; some signals then have no reader.
                    "+define+SYNTHESIS", "-Wno-UNUSEDSIGNAL", "+define+SLOG_CLOCK_GATE"]
-CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
+NATIVE_CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
 FAST = "-O3"
 """For the code that runs every clock; the rest is compiled quickly."""
 
 
 class BuildError(RuntimeError):
-    """The board could not be built; the message holds the end of the log."""
-
-
-def _digest(sources: list[Path], flags: list[str]) -> str:
-    h = hashlib.sha256(" ".join([*flags, FAST, *CXX_FLAGS, _processor()]).encode())
-    for path in [*sources, *headers(), HARNESS, HEADER, WAIVERS]:
-        h.update(path.name.encode() + path.read_bytes())
-    return h.hexdigest()
+    """A library could not be built; the message holds the end of the log."""
 
 
 def _processor() -> str:
@@ -60,12 +41,51 @@ def _processor() -> str:
     return next((line for line in lines if line.startswith("flags")), platform.machine())
 
 
-def _run(command: list[str], folder: Path, log: Path) -> None:
+def _digest(files: Sequence[Path], flags: Sequence[str]) -> str:
+    return digest([*flags, FAST, *NATIVE_CXX_FLAGS, _processor()], files)
+
+
+def _current(product: Path, made_from: str) -> bool:
+    stamp = product.with_suffix(".digest")
+    return product.exists() and stamp.exists() and stamp.read_text() == made_from
+
+
+def _stamp(product: Path, made_from: str) -> None:
+    product.with_suffix(".digest").write_text(made_from)
+
+
+def _run(command: Sequence[str | Path], folder: Path) -> None:
+    log = folder / "build.log"
     with log.open("a") as out:
-        done = subprocess.run(command, cwd=folder, stdout=out, stderr=subprocess.STDOUT, env=verilator_env())
+        done = subprocess.run(list(map(str, command)), cwd=folder, stdout=out, stderr=subprocess.STDOUT,
+                              env=verilator_env())
     if done.returncode:
-        tail = "\n".join(log.read_text().splitlines()[-40:])
-        raise BuildError(f"{command[0]} failed; see {log}\n{tail}")
+        raise BuildError(f"{command[0]} failed; see {log}\n{tail(log)}")
+
+
+def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
+    """Build the model of the RTL in `folder`, if it is not current; returns the digest of what it is made from."""
+    sources, model = rtl_sources(config), folder / f"libV{TOP}.a"
+    made_from = _digest([*sources, *headers(), WAIVERS], flags)
+    if _current(model, made_from):
+        return made_from
+    for old in {*folder.glob("V*"), *folder.glob("*.o"), *folder.glob("*.a")}:
+        old.unlink()
+    _run([verilator_root() / "bin" / "verilator", "--cc", *flags, "--top-module", TOP, "--prefix", f"V{TOP}", "--Mdir",
+          folder, "-CFLAGS", " ".join(NATIVE_CXX_FLAGS), *sources], folder)
+    _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"V{TOP}.mk", f"libV{TOP}", f"OPT_FAST={FAST}", "OPT_SLOW=-O0",
+          f"OPT_GLOBAL={FAST}"], folder)
+    _stamp(model, made_from)
+    return made_from
+
+
+def _link(library: Path, sources: Sequence[Path], flags: Sequence[str | Path], made_from: str) -> None:
+    """Compile `sources` into a shared library."""
+    fresh = library.with_suffix(".new")
+    _run(["g++", FAST, *NATIVE_CXX_FLAGS, "-shared", f"-I{REGISTERS.parent}", *sources, *flags, "-o", fresh],
+         library.parent)
+    fresh.rename(library)
+    _stamp(library, made_from)
 
 
 def build(config: str = "full", trace: bool = False) -> Path:
@@ -80,33 +100,35 @@ def build(config: str = "full", trace: bool = False) -> Path:
         KeyError: for an unknown configuration.
     """
     CONFIGS[config]
-    sources = rtl_sources(config)
-    flags = [*VERILATOR_FLAGS, *([f"--trace-{wave_format()}", "--trace-structs"] if trace else [])]
+    fst = trace and wave_format() == "fst"
     folder = BUILD / "verilated" / (config + ("-trace" if trace else ""))
-    library, stamp, log = folder / "libslog_board.so", folder / "digest", folder / "build.log"
-    digest = _digest(sources, flags)
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if library.exists() and stamp.exists() and stamp.read_text() == digest:
-            return library
-        stamp.unlink(missing_ok=True)
-        log.unlink(missing_ok=True)
-        for old in [*folder.glob("V*"), *folder.glob("*.o")]:
-            old.unlink(missing_ok=True)  # an object file matches both patterns
-        tool = str(verilator_root() / "bin" / "verilator")
-        _run([tool, "--cc", *flags, "--top-module", TOP, "--prefix", f"V{TOP}", "--Mdir", str(folder),
-              "-CFLAGS", " ".join(CXX_FLAGS), f"-I{RTL}", str(WAIVERS), *map(str, sources)], folder, log)
-        _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"V{TOP}.mk", f"libV{TOP}", f"OPT_FAST={FAST}", "OPT_SLOW=-O0",
-              f"OPT_GLOBAL={FAST}"], folder, log)
-        include = verilator_root() / "include"
-        defines = [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(trace and wave_format() == 'fst')}"]
-        fresh = folder / "libslog_board.new"
-        _run(["g++", FAST, *CXX_FLAGS, *defines, "-shared", f"-I{folder}", f"-I{include}", f"-I{include / 'vltstd'}",
-              f"-I{HEADER.parent}", str(HARNESS), f"libV{TOP}.a", "libverilated.a", "-o", str(fresh), "-pthread",
-              *(["-lz", "-llz4"] if trace and wave_format() == "fst" else [])], folder, log)
-        fresh.rename(library)
-        stamp.write_text(digest)
+    library = folder / "libslog_board.so"
+    with locked(folder):
+        (folder / "build.log").unlink(missing_ok=True)
+        model = _verilate(config, folder, [*VERILATOR_FLAGS, *(trace_args() if trace else [])])
+        made_from = _digest([*sorted(HERE.glob("*.[ch]pp")), REGISTERS], [model])
+        if not _current(library, made_from):
+            include = verilator_root() / "include"
+            _link(library, [HERE / "api.cpp", HERE / "driver_api.cpp"],
+                  [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(fst)}", f"-I{folder}", f"-I{include}",
+                   f"-I{include / 'vltstd'}", f"libV{TOP}.a", "libverilated.a", "-pthread",
+                   *(["-lz", "-llz4"] if fst else [])], made_from)
+    return library
+
+
+def build_driver() -> Path:
+    """Path of the shared library of the register driver on callbacks, built if it is not current.
+
+    Raises:
+        BuildError: if the compiler fails.
+    """
+    library = BUILD / "driver" / "libslog_driver.so"
+    made_from = _digest([*sorted(HERE.glob("*.[ch]pp")), REGISTERS], [])
+    with locked(library.parent):
+        if not _current(library, made_from):
+            (library.parent / "build.log").unlink(missing_ok=True)
+            _link(library, [HERE / "callbacks.cpp", HERE / "driver_api.cpp"], ["-Wall", "-Wextra", "-Werror"],
+                  made_from)
     return library
 
 

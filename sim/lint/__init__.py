@@ -1,0 +1,1 @@
+"""Lint of the RTL, with the reason of each waiver."""

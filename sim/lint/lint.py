@@ -1,6 +1,6 @@
 """Lints the RTL: Verilator on the whole board in both configurations and on every module by itself, Verible on style.
 
-`python -m sim.lint` prints what each tool complains about and fails if any does.
+`python -m sim.lint` prints the complaints of each tool and fails if there are any.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import sys
 from pathlib import Path
 
 from golden.params import CONFIGS
-from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, WAIVERS, ecp5_sources, rtl_sources, verilator_env
+from sim.building import VERILATOR_ARGS
+from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, ecp5_sources, rtl_sources, verilator_env
 
 RULES = Path(__file__).with_name("verible.rules")
 WAIVED = Path(__file__).with_name("verible.waive")
@@ -25,7 +26,7 @@ def _complaints(command: list[str]) -> str:
 
 def verilator(top: str, sources: list[Path]) -> str:
     """Complaints of Verilator about `top` and what it instantiates."""
-    return _complaints(["verilator", "--lint-only", "-Wall", "--timing", "--top-module", top, f"-I{RTL}", str(WAIVERS),
+    return _complaints(["verilator", "--lint-only", *VERILATOR_ARGS, "--timing", "--top-module", top,
                         *map(str, sources)])
 
 

@@ -1,4 +1,4 @@
-"""Generates everything that knows register addresses from `rtl/control/slog_csr.rdl`.
+"""Generates everything that contains register addresses from `rtl/control/slog_csr.rdl`.
 
 `python -m sim.registers` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/registers/gen`),
 and the HTML page (`out/regs`, not committed); `--check` writes nothing and fails when a committed file is stale.
@@ -19,7 +19,7 @@ from sim.toolchain import ROOT, RTL
 SOURCE = RTL / "control" / "slog_csr.rdl"
 GENERATED = Path(__file__).with_name("gen")
 PAGE = ROOT / "out" / "regs"
-TARGETS = {
+COMMITTED = {
     "slog_csr.sv": RTL / "gen",
     "slog_csr_pkg.sv": RTL / "gen",
     "slog_csr.h": GENERATED,
@@ -44,7 +44,7 @@ def generate(folder: Path) -> None:
 
 
 def _content(path: Path) -> object:
-    """What must agree between two generated files; a database's bytes depend on the library that wrote it."""
+    """The content in which two generated files must agree; a database's bytes depend on the library that wrote it."""
     if not path.exists():
         return None
     if path.suffix == ".db":
@@ -61,7 +61,7 @@ def main(argv: list[str]) -> int:
     with tempfile.TemporaryDirectory() as name:
         made = Path(name)
         generate(made)
-        stale = [target / file for file, target in TARGETS.items()
+        stale = [target / file for file, target in COMMITTED.items()
                  if _content(made / file) != _content(target / file)]
         if "--check" in argv:
             if stale:

@@ -1,4 +1,4 @@
-"""The register map as plain data, from the generated PyRAL layer: addresses are typed nowhere else."""
+"""The register map as plain data, from the generated PyRAL layer: no address is written by hand."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from peakrdl_pyral_runtime.model.array import RALArray
 
 
 class Field(NamedTuple):
-    """Where a field lives."""
+    """The place of a field: byte address of its register, lowest bit, bits."""
 
     address: int
     lsb: int

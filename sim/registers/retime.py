@@ -1,10 +1,10 @@
-"""Registers within the generated register block, for its clock rate: in the address decoder, and in the read path.
+"""Adds pipeline registers to the generated register block, in the address decoder and in the read path.
 
-A request's strobe is decoded in two clocks and on its way to its register in the next; with it goes what is written.
-Reads are masked by their strobes and ORed, so that no address is wanted behind the decoder. What a request asks for
-(address, direction, data, enables) must stay for three clocks after it, as `slog_axil` keeps it; data and enables are
-wanted in the second of them, not before. A write is acknowledged three clocks after its request, a read six,
-with what the registers held three clocks after it.
+A request's strobe is decoded in two clocks and reaches its register, with the data written, in the third. Reads are
+masked by their strobes and ORed, so that no address is needed after the decoder. Address, direction, data and enables
+of a request must be held for three clocks after it, as `slog_axil` does; data and enables are used only from the second
+of them on. A write is acknowledged three clocks after its request, a read six, with the values that the registers held
+three clocks after it.
 """
 
 from __future__ import annotations
@@ -79,20 +79,20 @@ EDITS = (
     (r"^ +always_comb begin\n +automatic logic \[31:0\] readback_data_var;\n +readback_data_var = '0;\n", WORDS[1:]),
     (r"^ +readback_data = readback_data_var;\n +readback_done = .*;\n +readback_err = '0;\n +end\n", CHOICES[1:]),
 )
-"""What is replaced, once each: a pattern and its replacement."""
+"""Patterns, each found exactly once, and their replacements."""
 
 
 def retimed(block: str) -> str:
-    """The register block, from `peakrdl regblock --cpuif passthrough` of a map of 256 bytes, with its registers in.
+    """The register block from `peakrdl regblock --cpuif passthrough`, of a map of 256 bytes, with the registers added.
 
     Raises:
-        ValueError: the generator writes its block otherwise than this knows.
+        ValueError: the generated block does not have the expected form.
     """
     for pattern, new in EDITS:
         block, times = re.subn(pattern, new, block, flags=re.MULTILINE)
         if times != 1:
             raise ValueError(f"the generated register block has {times} places like {pattern}, not one: go back to the "
-                             "locked version of peakrdl-regblock, or let sim/retime.py follow its new form")
+                             "locked version of peakrdl-regblock, or adapt sim/registers/retime.py to its new form")
     block = re.sub(r"^( +)decoded_reg_strb\.(\S+ = )", r"\1asked_reg_strb.\2", block, flags=re.MULTILINE)
     block = re.sub(r"^( +asked_reg_strb\.\S+ = )cpuif_req_masked & \(cpuif_addr == (.*)\) & !cpuif_req_is_wr;$",
                    r"\1asked(asked_to_read, \2);", block, flags=re.MULTILINE)

@@ -1,0 +1,1 @@
+"""Measurement of the speeds of board, simulators and OpenCV."""

@@ -1,7 +1,7 @@
 """Measures speeds on this machine and writes `out/bench.json`.
 
-`python -m sim.bench [--out FILE]`. Seconds are of processor time, of one core: what else the machine does counts
-little, but ratios within one run are what to go by.
+`python -m sim.speed [--out FILE]`. Seconds are of processor time, of one core: other load on the machine has little
+influence, but ratios within one run are more reliable than the figures.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from golden.params import CONFIGS, Config
 from sim.board.device import Device
 from sim.speed import workload
 from sim.testbench.runner import AXI_PORTS, simulate
-from sim.toolchain import ROOT
+from sim.toolchain import ROOT, SYNTHESIS
 
-OUT = ROOT / "out" / "bench.json"
-REPORT = ROOT / "out" / "synth" / "report.json"
+FIGURES = ROOT / "out" / "bench.json"
+REPORT = SYNTHESIS / "report.json"
 SIZES = ((384, 288), (640, 480))
 QUEUE = 40
 """Searches in the utilisation queue."""
@@ -52,7 +52,7 @@ def device(config: Config, size: tuple[int, int]) -> Device:
 
 def clock_rates(config: Config) -> dict[str, Any]:
     """Clocks per second of the cocotb bench and of the Verilated board on the same workload, results compared."""
-    out = OUT.parent / "bench-cocotb.json"
+    out = FIGURES.parent / "bench-cocotb.json"
     out.parent.mkdir(parents=True, exist_ok=True)
     out.unlink(missing_ok=True)
     simulate("slog_board", "cocotb_tests.bench_board", config=config.name, ports=AXI_PORTS,
@@ -95,14 +95,14 @@ def frame_rates(config: Config) -> dict[str, Any]:
     return found
 
 
-def utilisation(config: Config) -> dict[str, Any]:
+def score_share(config: Config) -> dict[str, Any]:
     """Share of clocks that yield a score over a queue of searches, submission and loading included."""
     size = SIZES[-1]
     first_frame, second = workload.pair(*size)
     with device(config, size) as board:
         board.capture({0: 0}, {0: first_frame})
         board.capture({0: 1}, {0: second})
-        jobs = [workload.search(size, tag) for tag in range(QUEUE)]
+        jobs = [workload.search_job(size, tag) for tag in range(QUEUE)]
         scores, first, begun = board.counters()["scores"], board.clocks, time.process_time()
         results = board.run(jobs)
         seconds, clocks = time.process_time() - begun, board.clocks - first
@@ -137,13 +137,13 @@ def against_opencv(share: float) -> dict[str, Any]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print and write; returns the exit status."""
-    parser = argparse.ArgumentParser(description="Speeds of the board and of what stands in for it")
-    parser.add_argument("--out", type=Path, default=OUT)
+    parser = argparse.ArgumentParser(description="Speeds of the board, of its simulators and of OpenCV")
+    parser.add_argument("--out", type=Path, default=FIGURES)
     args = parser.parse_args(argv)
     config = CONFIGS["full"]
     figures: dict[str, Any] = {"machine": {"cores": os.cpu_count(), "load": os.getloadavg()[0]}}
     measures: list[tuple[str, Callable[[], dict[str, Any]]]] = [
-        ("frames", lambda: frame_rates(config)), ("utilisation", lambda: utilisation(config)),
+        ("frames", lambda: frame_rates(config)), ("utilisation", lambda: score_share(config)),
         ("opencv", lambda: against_opencv(figures["utilisation"]["share"])),
         ("clock_rate", lambda: clock_rates(config))]
     for name, measure in measures:

@@ -9,10 +9,10 @@ from golden.correlate import Job
 from golden.log import Image
 
 SIZE = (160, 128)
-"""Pixels: the smallest that holds a +-32 search of a 64x64 window, so that the cocotb bench is done soon."""
+"""Pixels: the smallest that holds a +-32 search of a 64x64 window, to keep the cocotb bench short."""
 SIGMA = 2.0
 SHIFT = (5, -3)
-"""Pixels by which the second frame's content lies from the first's (x, y)."""
+"""Displacement (x, y) of the second frame's content from the first's, in pixels."""
 SEARCHES = 2
 
 
@@ -28,7 +28,7 @@ def texture(width: int, height: int, seed: int = 1) -> Image:
 
 
 def pair(width: int, height: int) -> tuple[Image, Image]:
-    """Two frames of the same texture, the second's content `SHIFT` further."""
+    """Two frames of the same texture, the second's content displaced by `SHIFT`."""
     margin = max(map(abs, SHIFT))
     wide = texture(width + 2 * margin, height + 2 * margin)
     (dx, dy), m = SHIFT, margin
@@ -41,7 +41,7 @@ def frames() -> tuple[Image, Image]:
     return pair(*SIZE)
 
 
-def search(size: tuple[int, int], tag: int, surface: bool = False) -> Job:
+def search_job(size: tuple[int, int], tag: int, surface: bool = False) -> Job:
     """A +-32 search of the 64x64 window in the middle of slot 0's frame over slot 1's."""
     x, y = (size[0] - 64) // 2, (size[1] - 64) // 2
     return Job(0, x, y, 64, 64, 1, x - 32, y - 32, 65, 65, tag, surface)
@@ -49,4 +49,4 @@ def search(size: tuple[int, int], tag: int, surface: bool = False) -> Job:
 
 def jobs() -> list[Job]:
     """The searches."""
-    return [search(SIZE, tag) for tag in range(SEARCHES)]
+    return [search_job(SIZE, tag) for tag in range(SEARCHES)]

@@ -1,9 +1,9 @@
 """Loads of a global network that only fabric can reach.
 
-The networks of an ECP5 lead to registers' clock, reset and enable pins. nextpnr leads one to a look-up table too, on
-fabric wires that it then keeps from all others, which may leave another net without a way. So whatever else reads a
-network here reads a register like the one that drives it, behind one like the register before: each block has its own
-two, as they lie far apart.
+The networks of an ECP5 reach registers' clock, reset and enable pins. nextpnr also routes one to a look-up table, on
+fabric wires that it then reserves, which may leave another net unroutable. So all other loads of a network here read a
+copy of the register that drives it, behind a copy of the register before that: each block has its own two copies, as
+blocks are far apart.
 """
 
 from __future__ import annotations
@@ -14,15 +14,17 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+from sim.synth.netlist import flat
+
 GLOBAL = "DCCA"
 """Cell that drives a global network."""
 REACHED = {"TRELLIS_FF": ("CLK", "LSR", "CE"), "DP16KD": ("CLKA", "CLKB"), "MULT18X18D": ("CLK0",),
            "TRELLIS_DPR16X4": ("WCK",)}
-"""Pins that a network leads to, by kind of cell."""
+"""Pins that a network reaches, by kind of cell."""
 
 
 def move(module: Mapping[str, Any]) -> int:
-    """Let loads that no network reaches read copies of the register that drives theirs and of the one before it.
+    """Connect loads that no network reaches to copies of the register that drives theirs and of the one before it.
 
     Args:
         module: a flat netlist, as Yosys writes it; its cells' connections are changed, copies of registers added.
@@ -74,6 +76,6 @@ def move(module: Mapping[str, Any]) -> int:
 def move_in(path: Path) -> int:
     """`move` in the netlist at `path`, as `sim.synth` wrote it."""
     design = json.loads(path.read_text())
-    moved = move(max(design["modules"].values(), key=lambda module: len(module["cells"])))
+    moved = move(flat(design))
     path.write_text(json.dumps(design))
     return moved

@@ -1,10 +1,9 @@
 """Sites for block RAMs and multipliers of an ECP5-85, chosen before nextpnr places the rest.
 
-nextpnr's analytic placer moves these two kinds to free sites only when all else has found its place. On a board that
-takes nearly all of them they end far from where they were wanted, and all wires together become nearly twice as long.
-Here they get their sites from a global placement of its own: the wires pull, and cells of a kind repel one another like
-charges until each kind covers what the device has for it (after Lu et al., "ePlace", ACM TODAES 20(2), 2015).
-The floorplans of the two boards are kept in `floorplans/`, so that place and route come out alike on every machine.
+nextpnr's analytic placer moves these two kinds to free sites only after it has placed all else. On a board that takes
+nearly all of them they end far from their best places, and the total wire length nearly doubles. Here they get their
+sites from a global placement of their own (`sim.synth.spread`). The floorplans of the two boards are kept in
+`floorplans/`, so that place and route give the same result on every machine.
 """
 
 from __future__ import annotations
@@ -19,34 +18,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from scipy.ndimage import gaussian_filter
 from scipy.optimize import linear_sum_assignment
 
-Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
-Plane = np.ndarray[tuple[int, int], np.dtype[np.float64]]
-Indices = np.ndarray[tuple[int], np.dtype[np.intp]]
+from sim.synth.netlist import flat
+from sim.synth.spread import BINS, HEIGHT, WIDTH, Charges, Indices, Vector, Wires, spread
 
-WIDTH, HEIGHT = 126, 95
-"""Tiles of the device."""
 GROUPS = (4, 13, 22, 31, 40, 49, 58, 69, 78, 87, 96, 105, 114)
 """Columns at which groups of four block RAMs and of four multipliers begin."""
-BINS = 64
-"""Of the charges' grid, on each side."""
 BLUR = 2.0
-"""Standard deviation in bins of what a kind's sites count for around them: they lie in few rows."""
+"""Standard deviation in bins over which a kind's sites are spread as its capacity: they lie in few rows."""
 ROOM = 11
-"""Cells that a tile holds, of its sixteen look-up tables and flip-flops: what is more than the board's is held free."""
-LONG = 8
-"""Tiles by which a net longer along an axis pulls as hard again: the longest decide the clock, and a knot in the wires
-comes undone."""
+"""Cells that a tile holds, of its sixteen look-up tables and flip-flops; the tiles' remaining room is held free."""
 STARTS = 8
-"""Floorplans of which the best is taken: they differ by a third."""
-TURNS = 1200
-PUSH, CROWDED, FAR = 1.015, 0.07, 0.3
-"""A kind's charge grows by PUSH each turn, while more than FAR of its cells, or CROWDED of the logic, have no place."""
+"""Floorplans of which the best is taken: their costs differ by a third."""
 MOST_PINS = 300
-"""Nets of more pins (clock, reset) say nothing about where a cell belongs."""
+"""Nets of more pins (clock, reset) do not influence the places of cells."""
 
 
 @dataclass(frozen=True)
@@ -77,129 +64,12 @@ def _nets(cells: Sequence[Mapping[str, Any]]) -> list[list[int]]:
     return [sorted(u) for u in users.values() if 1 < len(u) < MOST_PINS]
 
 
-@dataclass(frozen=True)
-class Wires:
-    """Nets as lists of cells, one behind the other: `cell` and `net` of each pin, and the `first` pin of each net."""
-
-    cell: Indices
-    net: Indices
-    first: Indices
-
-    @classmethod
-    def of(cls, nets: Sequence[Sequence[int]]) -> Wires:
-        """Wires of nets given by their cells."""
-        sizes = [len(net) for net in nets]
-        return cls(np.concatenate([np.asarray(net, np.intp) for net in nets]), np.repeat(np.arange(len(nets)), sizes),
-                   np.cumsum([0, *sizes[:-1]]))
-
-    def extents(self, at: Vector) -> Vector:
-        """Length of each net along one axis, from the cells' places there."""
-        pin = at[self.cell]
-        length: Vector = np.maximum.reduceat(pin, self.first) - np.minimum.reduceat(pin, self.first)
-        return length
-
-    def cost(self, at: Plane) -> float:
-        """What the wires' pull makes small."""
-        return float(sum((length + length**2 / (2 * LONG)).sum() for length in map(self.extents, at)))
-
-    def pull(self, at: Vector, smooth: float) -> Vector:
-        """Growth of the nets' cost along one axis with each cell's place: of their extents the weighted-average model.
-
-        Args:
-            at: the cells' places, in tiles.
-            smooth: tiles over which a net's outermost pins share its pull.
-        """
-        pin = at[self.cell]
-        grown = np.zeros(len(pin))
-        for side in (1, -1):
-            x = side * pin
-            weight = np.exp((x - np.maximum.reduceat(x, self.first)[self.net]) / smooth)
-            total = np.add.reduceat(weight, self.first)
-            mean = np.add.reduceat(weight * x, self.first) / total
-            grown += side * weight * (1 + (x - mean[self.net]) / smooth) / total[self.net]
-        grown *= 1 + self.extents(at)[self.net] / LONG
-        slope: Vector = np.bincount(self.cell, grown, len(at)).astype(np.float64)
-        return slope
-
-
-class Charges:
-    """Cells of one kind, which repel one another, on a plane with a capacity that attracts them."""
-
-    def __init__(self, members: Indices, capacity: Plane) -> None:
-        """Take the cells' numbers, and what each bin has room for, in any unit."""
-        self.members = members
-        self.capacity = capacity / capacity.sum()
-        waves = [np.pi * np.arange(BINS) / length for length in (WIDTH, HEIGHT)]
-        square = waves[0][:, None] ** 2 + waves[1] ** 2
-        square[0, 0] = np.inf  # the mean charge has no field
-        self.inverse = 1 / square
-
-    def push(self, place: Plane) -> tuple[Plane, float]:
-        """The force on each member along both axes, and the share of them that is where there is no room."""
-        bins = np.clip(place[:, self.members] * [[BINS / WIDTH], [BINS / HEIGHT]] - 0.5, 0, BINS - 1.001)
-        low = bins.astype(np.intp)
-        part = bins - low
-        corners = [(low[0] + i, low[1] + j, (part[0] if i else 1 - part[0]) * (part[1] if j else 1 - part[1]))
-                   for i in (0, 1) for j in (0, 1)]
-        charge = np.zeros(BINS * BINS)
-        for column, row, weight in corners:
-            charge += np.bincount(column * BINS + row, weight, BINS * BINS)
-        excess = charge.reshape(BINS, BINS) / len(self.members) - self.capacity
-        potential = scipy.fft.idctn(scipy.fft.dctn(excess, norm="ortho") * self.inverse, norm="ortho")
-        field = np.gradient(potential, WIDTH / BINS, HEIGHT / BINS)
-        force = np.array([-sum(weight * along[column, row] for column, row, weight in corners) for along in field])
-        return force * len(self.members), float(np.maximum(excess, 0).sum())
-
-
 def _assigned(x: Vector, y: Vector, sites: Sequence[Site]) -> Indices:
-    """For each block wanted at x, y a site of its own, the displacements small in sum."""
+    """For each block a site of its own near its place x, y: the sum of the displacements to the power 2.5 is least."""
     at = np.array([(s.x, s.y) for s in sites], np.float64)
     cost = np.abs(x[:, None] - at[:, 0]) + np.abs(y[:, None] - at[:, 1])
     chosen: Indices = linear_sum_assignment(cost**2.5)[1]
     return chosen
-
-
-def _spread(wires: Wires, cells: int, kinds: Sequence[Charges], seed: int) -> Plane:
-    """Places of all cells, the first `cells` of them on wires: Nesterov's method on wires and charges together."""
-    total = cells + sum(int(np.sum(kind.members >= cells)) for kind in kinds)
-    rng = np.random.default_rng(seed)
-    size = np.array([[WIDTH], [HEIGHT]], np.float64)
-    at = size / 2 + rng.normal(0, 6, (2, total))
-    at[:, cells:] = rng.uniform(0, 1, (2, total - cells)) * size
-    stiff = np.ones(total)
-    stiff[:cells] = np.maximum(np.bincount(wires.cell, minlength=cells), 1)
-    momentum, ahead, crowd = 1.0, at, [1.0] * len(kinds)
-    charge: list[float] = []
-    before: tuple[Plane, Plane] | None = None
-    for _ in range(TURNS):
-        smooth = float(np.clip(8 * 10 ** ((crowd[0] - 0.1) * 20 / 9 - 1), 0.5, 30))
-        slope = np.zeros_like(at)
-        for axis in range(2):
-            slope[axis, :cells] = wires.pull(ahead[axis, :cells], smooth)
-        forces = []
-        for k, kind in enumerate(kinds):
-            force, crowd[k] = kind.push(ahead)
-            forces.append(force)
-        if not charge:
-            charge = [0.02 * np.abs(slope[:, kind.members]).sum() / max(np.abs(force).sum(), 1e-9)
-                      for kind, force in zip(kinds, forces, strict=True)]
-        for k, kind in enumerate(kinds):
-            slope[:, kind.members] -= charge[k] * forces[k]
-            if k == 0 or crowd[k] > FAR:
-                charge[k] *= PUSH
-        slope /= stiff
-        if before is None:
-            step = 0.5 / max(float(np.abs(slope).mean()), 1e-9)
-        else:
-            step = float(np.linalg.norm(ahead - before[0])) / max(float(np.linalg.norm(slope - before[1])), 1e-12)
-        before = ahead, slope
-        moved = np.clip(ahead - step * slope, 0, size - 1e-3)
-        faster = (1 + np.sqrt(4 * momentum**2 + 1)) / 2
-        ahead = np.clip(moved + (momentum - 1) / faster * (moved - at), 0, size - 1e-3)
-        at, momentum = moved, faster
-        if crowd[0] < CROWDED:
-            break
-    return at
 
 
 def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> tuple[dict[str, str], float]:
@@ -207,10 +77,10 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> tuple[di
 
     Args:
         cells: of a flat netlist, as Yosys writes it: `type`, and `connections` from pin to nets' numbers.
-        seed: of the places all begin at.
+        seed: of the first places of all cells.
 
     Returns:
-        Site by cell, for every block RAM and multiplier; the wires' cost with the blocks there.
+        Site by cell, for every block RAM and multiplier; the wires' cost with the blocks on these sites.
 
     Raises:
         ValueError: there are more of them than sites.
@@ -234,7 +104,7 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> tuple[di
             capacity[site.x * BINS // WIDTH, site.y * BINS // HEIGHT] += 1
         kinds.append(Charges(members, gaussian_filter(capacity, BLUR, mode="nearest")))
     wires = Wires.of(nets)
-    place = _spread(wires, number, kinds, seed)[:, :number]
+    place = spread(wires, number, kinds, seed)[:, :number]
     chosen = {}
     for kind, members in blocks.items():
         sites = [SITES[kind][k] for k in _assigned(place[0, members], place[1, members], SITES[kind])]
@@ -243,10 +113,10 @@ def floorplan(cells: Mapping[str, Mapping[str, Any]], seed: int = 0) -> tuple[di
     return chosen, wires.cost(place)
 
 
-def search(cells: Mapping[str, Mapping[str, Any]], starts: int = STARTS) -> dict[str, str]:
-    """The cheapest of that many floorplans; arguments and result as `floorplan` has them.
+def best_floorplan(cells: Mapping[str, Mapping[str, Any]], starts: int = STARTS) -> dict[str, str]:
+    """The cheapest of `starts` floorplans; arguments and result as for `floorplan`.
 
-    What a start leads to hangs on the last bits of its numbers, and so on the processor.
+    The floorplan of a start depends on rounding errors, and so on the processor.
     """
     best: dict[str, str] = {}
     least = np.inf
@@ -263,15 +133,15 @@ def constrain(path: Path, kept: Path) -> None:
 
     Args:
         path: the netlist, as `sim.synth` wrote it; the sites are added.
-        kept: a floorplan made before, as `keep` writes it; where it is missing or of other blocks, one is searched for.
+        kept: a floorplan that `keep` wrote; if it is missing or of other blocks, one is searched for.
     """
     design = json.loads(path.read_text())
-    cells = _largest(design)
+    cells = flat(design)["cells"]
     sites = json.loads(kept.read_text()) if kept.exists() else {}
     if {name: _kind(bel) for name, bel in sites.items()} != {
             name: cell["type"] for name, cell in cells.items() if cell["type"] in SITES}:
         print(f"  {kept.name} is not of these blocks: searching for a floorplan", flush=True)
-        sites = search(cells)
+        sites = best_floorplan(cells)
     for name, bel in sites.items():
         cells[name].setdefault("attributes", {})["BEL"] = bel
     path.write_text(json.dumps(design))
@@ -279,14 +149,9 @@ def constrain(path: Path, kept: Path) -> None:
 
 def keep(path: Path, kept: Path, starts: int) -> None:
     """Search for a floorplan of the netlist at `path`, and write it to `kept`: site by cell, as JSON."""
-    sites = search(_largest(json.loads(path.read_text())), starts)
+    sites = best_floorplan(flat(json.loads(path.read_text()))["cells"], starts)
     kept.parent.mkdir(exist_ok=True)
     kept.write_text(json.dumps(sites, indent=0) + "\n")
-
-
-def _largest(design: Mapping[str, Any]) -> dict[str, Any]:
-    """Cells of the largest module: the flat netlist."""
-    return max((module["cells"] for module in design["modules"].values()), key=len)
 
 
 def _kind(bel: str) -> str:

@@ -1,8 +1,8 @@
-"""Ranks the paths of a netlist between registers by a delay model: all of them, where nextpnr shows one.
+"""Ranks all paths of a netlist between registers by a delay model; nextpnr shows only one.
 
 Cells have the delays of speed grade 6. Before placement only a wire's fan-out is known: `wire` is a guess that fits
-small blocks, and finds too much logic. After it `distance` is nextpnr's own estimate, and finds wires that reach too
-far.
+small blocks, and reveals paths of too much logic. After it `distance` is nextpnr's own estimate, and reveals wires that
+are too long.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.synth.fabric import GLOBAL
+from sim.synth.netlist import flat
 
 CLOCK_TO_OUT = {"TRELLIS_FF": 0.52, "DP16KD": 5.6, "PDPW16KD": 5.6, "MULT18X18D": 4.0}
 """Nanoseconds from the clock to a register's output, for blocks without an output register."""
@@ -27,14 +28,14 @@ MUXES = "PFUMX", "L6MUX21"
 NUMBER = re.compile(r"\d+")
 TILE = re.compile(r"X(\d+)/Y(\d+)/")
 PACKED = ("", "$COMB0", "$CCU2_COMB0", "$DPRAM_COMB0", "$RAMW_SLICE")
-"""Endings that nextpnr gives a cell's name, or that of the first it makes of it."""
+"""Suffixes that nextpnr adds to the name of a cell, or to that of the first cell that it makes of it."""
 
 Place = tuple[int, int]
 """Column and row of a tile."""
 
 
 def wire(fan_out: int) -> float:
-    """Nanoseconds of a wire with so many loads: a guess."""
+    """Estimated nanoseconds of a wire with `fan_out` loads."""
     return 0.65 if fan_out < 2 else 0.75 + 0.22 * math.log2(fan_out)
 
 
@@ -112,7 +113,7 @@ class Netlist:
         return 0.0 if pin == "DI" and start == end else distance(start, end)
 
     def place(self, name: str) -> Place | None:
-        """Tile of a cell, if it is placed; a multiplexer between look-up tables lies with one of them."""
+        """Tile of a cell, if it is placed; a multiplexer between look-up tables has the tile of one of them."""
         if name not in self._tiles:
             tile = next((self.places[name + end] for end in PACKED if name + end in self.places), None)
             if tile is None and self.places and name and self.cells[name]["type"] in MUXES:
@@ -123,7 +124,7 @@ class Netlist:
         return self._tiles[name]
 
     def arrival(self, bit: int) -> tuple[float, int | None]:
-        """When a net settles, nanoseconds after the clock, and the net that decides it (None: a register, a port)."""
+        """Nanoseconds after the clock at which a net settles, and the net that decides it (None: register or port)."""
         if bit in self._latest:
             return self._latest[bit]
         stack = [bit]
@@ -179,7 +180,7 @@ class Netlist:
         return self.names.get(path.nets[0], "?")
 
     def end(self, path: Timing) -> str:
-        """Name of what a path ends at: a flip-flop's output net, or a block; and the pin."""
+        """Name of the end of a path: a flip-flop's output net, or a block; and the pin."""
         connections = self.cells[path.cell]["connections"]
         name = path.cell if "Q" not in connections else self.names.get(connections["Q"][0], path.cell)
         return f"{name}.{path.pin}"
@@ -198,19 +199,14 @@ def _at(place: Place | None, before: str = "") -> str:
     return f"{before}@{place[0]},{place[1]}" if place else ""
 
 
-def _board(path: Path) -> Any:
-    """The largest module of a netlist file."""
-    return max(json.loads(path.read_text())["modules"].values(), key=lambda m: len(m["cells"]))
-
-
 def load(path: Path, placed: Path | None = None) -> Netlist:
     """Read a netlist that `sim.synth` wrote, and the places that nextpnr gave its cells (its own `--write`)."""
     places = {}
     if placed is not None:
-        for name, cell in _board(placed)["cells"].items():
+        for name, cell in flat(json.loads(placed.read_text()))["cells"].items():
             if tile := TILE.match(cell["attributes"].get("NEXTPNR_BEL", "")):
                 places[name] = int(tile[1]), int(tile[2])
-    module = _board(path)
+    module = flat(json.loads(path.read_text()))
     return Netlist(module["cells"], module["netnames"], places)
 
 

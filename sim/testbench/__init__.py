@@ -1,0 +1,1 @@
+"""The cocotb runner and the test benches in SystemVerilog that it builds."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
-import hashlib
 import json
 import os
 import shutil
@@ -16,14 +14,19 @@ from cocotb_tools.check_results import get_results
 from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.runner import Verilator
 
-from sim.toolchain import BUILD, ROOT, RTL, WAIVERS, headers, sources_of, verilator_env, wave_format
+from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
+from sim.toolchain import BUILD, ROOT, headers, sources_of, verilator_env
 
 START = Path(__file__).with_name("start.cpp")
 AXI_PORTS = "*_i", "*_o", "s_axil_*"
 """Port names of a module with an AXI4-Lite interface."""
-CXX_FLAGS = "-O1 -fPIC -Dmain=slog_simulator_main"
-LIBRARY = BUILD / "cocotb" / f"library-{hashlib.sha256(CXX_FLAGS.encode()).hexdigest()[:8]}"
+BENCH_CXX_FLAGS = "-O1 -fPIC -Dmain=slog_simulator_main"
+LIBRARY = BUILD / "cocotb" / f"library-{digest([BENCH_CXX_FLAGS], [])[:8]}"
 """The simulator's own object files, which are the same for every module."""
+BUILD_ARGS = [*VERILATOR_ARGS, *UNROLL, "--assert", "--timing", "--x-assign", "unique", "--x-initial", "unique",
+              "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)]
+LOG_LINES = 80
+"""The end of a log that an error shows."""
 
 
 class LeanVerilator(Verilator):
@@ -46,13 +49,6 @@ class LeanVerilator(Verilator):
         [[simulator, *arguments]] = super()._test_command()
         self.env["LD_PRELOAD"] = str(simulator)
         return [[sys.executable, *map(str, arguments)]]
-
-
-def _digest(sources: Sequence[Path], parameters: Mapping[str, int], flags: Sequence[str]) -> str:
-    h = hashlib.sha256(json.dumps([dict(parameters), list(flags)], sort_keys=True).encode())
-    for path in [*sources, *headers(), START]:
-        h.update(path.name.encode() + path.read_bytes())
-    return h.hexdigest()[:16]
 
 
 def simulate(
@@ -79,81 +75,87 @@ def simulate(
         ports: name patterns of the top module's ports.
         config: configuration whose package the sources take.
         ecp5: build the twins for the ECP5, on models of its primitives.
-        replaced: files that stand in for modules, by module name.
+        replaced: files to build instead of modules, by module name.
 
     Returns:
-        The build folder (waves are left there with `WAVES=1`).
+        The folder of the run (waves are left there with `WAVES=1`).
 
     Raises:
-        AssertionError: if a test fails, or none ran.
+        AssertionError: if the module does not build, a test fails, or none ran.
     """
-    waves = os.environ.get("WAVES") == "1"
-    seed = int(os.environ.get("SEED", "1"))
     files = [(replaced or {}).get(path.stem, path) for path in sources_of(top, config, ecp5)]
     params = dict(parameters or {})
-    build_args = ["-Wall", "--assert", "--timing", "--x-assign", "unique", "--x-initial", "unique",
-                  "--unroll-count", "2048", "-CFLAGS", CXX_FLAGS, "-LDFLAGS", "-shared",
-                  f"-I{RTL}", str(START)]
-    if waves:
-        build_args += [f"--trace-{wave_format()}", "--trace-structs"]
-    macros = dict(defines or {})
-    build_dir = BUILD / "cocotb" / f"{top}-{_digest(files, params, [*build_args, *ports, json.dumps(macros)])}"
-    build_dir.mkdir(parents=True, exist_ok=True)
-    visible = build_dir / "ports.vlt"
-    visible.write_text("`verilator_config\n" + "".join(
-        f'public_flat_rw -module "{top}" -var "{pattern}"\n' for pattern in ports))
     os.environ.update(verilator_env())
     runner = LeanVerilator()
-    with (build_dir / ".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        stamp = build_dir / ".built"
-        _reuse_library(build_dir, stamp)
+    folder = _build(runner, top, files, params, dict(defines or {}), ports)
+    return _run(runner, top, folder, test_module, params, dict(env or {}), testcase)
+
+
+def _waves() -> bool:
+    return os.environ.get("WAVES") == "1"
+
+
+def _build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
+           ports: Sequence[str]) -> Path:
+    """Build the simulator of `top`, if it is not current; returns its folder."""
+    build_args = [*BUILD_ARGS, *(trace_args() if _waves() else [])]
+    made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],
+                       [*files, *headers(), START])
+    folder = BUILD / "cocotb" / f"{top}-{made_from[:16]}"
+    with locked(folder):
+        visible, stamp, log = folder / "ports.vlt", folder / ".built", folder / "build.log"
+        visible.write_text("`verilator_config\n" + "".join(
+            f'public_flat_rw -module "{top}" -var "{pattern}"\n' for pattern in ports))
+        _reuse_library(folder, stamp)
         try:
-            runner.build(sources=[WAIVERS, visible, *files], hdl_toplevel=top, parameters=params, defines=macros,
-                         build_args=build_args, build_dir=build_dir, waves=False, always=not stamp.exists(),
-                         timescale=("1ns", "1ps"), log_file=build_dir / "build.log")
+            runner.build(sources=[visible, *files], hdl_toplevel=top, parameters=params, defines=macros,
+                         build_args=build_args, build_dir=folder, waves=False, always=not stamp.exists(),
+                         timescale=("1ns", "1ps"), log_file=log)
         except (SystemExit, RuntimeError) as error:
-            raise AssertionError(f"{top} does not build\n{_tail(build_dir / 'build.log')}") from error
-        _keep_library(build_dir)
+            raise AssertionError(f"{top} does not build\n{tail(log, LOG_LINES)}") from error
+        _keep_library(folder)
         stamp.touch()
-    run_dir = build_dir / f"run-{test_module.rsplit('.', 1)[-1]}-{seed}-{os.getpid()}"
+    return folder
+
+
+def _run(runner: Verilator, top: str, folder: Path, test_module: str, params: Mapping[str, int],
+         env: Mapping[str, str], testcase: str | None) -> Path:
+    """Run the tests of `test_module` on the simulator in `folder`; returns the folder of the run."""
+    waves, seed = _waves(), int(os.environ.get("SEED", "1"))
+    run_dir = folder / f"run-{test_module.rsplit('.', 1)[-1]}-{seed}-{os.getpid()}"
     run_dir.mkdir(exist_ok=True)
     log = run_dir / "run.log"
     print(f"seed {seed}; log {log}" + (f"; waves {run_dir}" if waves else ""))
     try:
         results = runner.test(
-            test_module=test_module, hdl_toplevel=top, build_dir=build_dir, test_dir=run_dir, seed=seed,
+            test_module=test_module, hdl_toplevel=top, build_dir=folder, test_dir=run_dir, seed=seed,
             parameters=params, test_filter=testcase, results_xml=str(run_dir / "results.xml"),
             test_args=["--trace-file", str(run_dir / "waves.fst")] if waves else [],
             plusargs=["+verilator+rand+reset+2", f"+verilator+seed+{seed}"],
-            extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params),
-                       **(env or {})},
+            extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params), **env},
             log_file=log)
     except (SystemExit, RuntimeError) as error:
-        raise AssertionError(f"{test_module} failed (SEED={seed})\n{_tail(log)}") from error
+        raise AssertionError(f"{test_module} failed (SEED={seed})\n{tail(log, LOG_LINES)}") from error
     count, failed = get_results(results)
-    assert count, f"{test_module}: no test ran\n{_tail(log)}"
-    assert not failed, f"{test_module}: {failed} of {count} tests failed (SEED={seed})\n{_tail(log)}"
+    assert count, f"{test_module}: no test ran\n{tail(log, LOG_LINES)}"
+    assert not failed, f"{test_module}: {failed} of {count} tests failed (SEED={seed})\n{tail(log, LOG_LINES)}"
     return run_dir
 
 
-def _tail(log: Path, lines: int = 80) -> str:
-    return "\n".join(log.read_text().splitlines()[-lines:]) if log.exists() else "(no log)"
-
-
-def _reuse_library(build_dir: Path, stamp: Path) -> None:
-    """Bring in the simulator's own object files, which are the same for every module."""
+def _reuse_library(folder: Path, stamp: Path) -> None:
+    """Copy the simulator's own object files into a new build's folder."""
     if not stamp.exists():
         for kept in LIBRARY.glob("verilated*"):
-            copy = build_dir / kept.name
+            copy = folder / kept.name
             shutil.copy(kept, copy)
-            # Newer than the makefile to come, on which the object files nominally depend.
+            # Newer than the makefile that the build writes, on which the object files nominally depend.
             os.utime(copy, (time.time() + 3600,) * 2)
 
 
-def _keep_library(build_dir: Path) -> None:
+def _keep_library(folder: Path) -> None:
+    """Keep the simulator's own object files of a finished build."""
     LIBRARY.mkdir(exist_ok=True)
-    for made in [*build_dir.glob("verilated*.o"), *build_dir.glob("verilated*.d")]:
+    for made in [*folder.glob("verilated*.o"), *folder.glob("verilated*.d")]:
         if not (LIBRARY / made.name).exists():
             part = LIBRARY / f".{made.name}.{os.getpid()}"
             shutil.copy(made, part)

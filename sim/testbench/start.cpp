@@ -1,9 +1,9 @@
 // Starts a simulator inside the Python executable.
 //
-// A cocotb simulator embeds Python, which takes a libpython shared library; many distributions (Debian for one) ship an
+// A cocotb simulator embeds Python, which needs a libpython shared library; many distributions (Debian for one) ship an
 // interpreter that is linked statically and exports the same interface from its executable instead. So the simulator is built as a
-// shared library and preloaded into `python`, and here its own main takes the place of the interpreter's. Python is not running
-// yet at that point: cocotb starts it, from the executable's symbols, as it would from the library's.
+// shared library and preloaded into `python`, and its main is called here instead of the interpreter's. Python is not running
+// yet at that point: cocotb starts it, with the executable's symbols, as it would with the library's.
 #include <dlfcn.h>
 #include <stdlib.h>
 

@@ -1,0 +1,1 @@
+"""Tests of the Verilated board and of the register driver."""

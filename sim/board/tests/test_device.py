@@ -12,9 +12,10 @@ from skimage import data
 
 from golden import log
 from golden.correlate import Job, Plane, Status, grid, run, surface
+from golden.log import Image
 from golden.params import FULL, TINY, Config
 from sim.board import build as builder
-from sim.board.device import Device, DeviceError, DeviceTimeout, Image, frame_beats
+from sim.board.device import Device, DeviceError, DeviceTimeout, frame_beats
 from sim.toolchain import rtl_sources
 
 
@@ -86,7 +87,7 @@ def test_tiny_planes(tiny: Device, size: tuple[int, int], sigma: float) -> None:
 
 @pytest.mark.parametrize("pause", [0.0, 0.5, 0.95])
 def test_tiny_jobs(tiny: Device, pause: float) -> None:
-    """Jobs of every kind, far more than the queues hold, with a receiver of the surface that is often unwilling."""
+    """Jobs of every kind, far more than the queues hold, with a receiver of the surface that often holds it back."""
     rng = random.Random(f"jobs{pause}")
     size = 45, 33
     set_up(tiny, 1.3, size)
@@ -137,7 +138,7 @@ def test_tiny_capture_during_jobs(tiny: Device) -> None:
 
 
 def test_tiny_bad_frames(tiny: Device) -> None:
-    """Broken frames are dropped and reported; the next good frame comes out right."""
+    """Broken frames are dropped and reported; the next good frame is right."""
     rng = random.Random(7)
     size = 30, 22
     set_up(tiny, 1.5, size)
@@ -160,8 +161,8 @@ def test_tiny_bad_frames(tiny: Device) -> None:
     assert np.array_equal(tiny.plane(5), want)
 
 
-def test_tiny_says_what_is_wrong(tiny: Device) -> None:
-    """A frame that never comes, a slot that is not there, a size that does not fit: each its own error."""
+def test_tiny_errors(tiny: Device) -> None:
+    """A frame that never arrives, a slot that does not exist, a size that does not fit: each its own error."""
     set_up(tiny, 1.5, (30, 22))
     tiny.arm(0)
     with pytest.raises(DeviceTimeout, match=r"capture: no progress .*slot_status.armed 0x1"):

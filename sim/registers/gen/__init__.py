@@ -1,1 +1,1 @@
-"""Generated from rtl/slog_csr.rdl by `python -m sim.regs`."""
+"""Generated from rtl/control/slog_csr.rdl by `python -m sim.registers`."""

@@ -1,4 +1,4 @@
-"""Retiming of the generated register block: a block of another form is refused, not half changed."""
+"""Retiming of the generated register block: a block of another form is refused, not changed in part."""
 
 import pytest
 
@@ -7,6 +7,6 @@ from sim.toolchain import RTL
 
 
 def test_other_form_is_refused() -> None:
-    """The committed block has its registers already; what they do, `test_control` checks clock by clock."""
+    """The committed block is retimed already; `test_control` checks its behaviour on every clock."""
     with pytest.raises(ValueError, match="has 0 places"):
         retimed((RTL / "gen" / "slog_csr.sv").read_text())

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.synth.floorplan import LONG, SITES, Wires, constrain, floorplan, keep
+from sim.synth.floorplan import SITES, constrain, floorplan, keep
 from sim.synth.flow import FLOORPLANS
+from sim.synth.spread import LONG, Wires
 
 AT = {site.bel: (site.x, site.y) for sites in SITES.values() for site in sites}
 

@@ -1,0 +1,213 @@
+// The Verilated model under its clock: plays the cameras' video, receives the surface stream, and is a bus to the registers.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "Vslog_board.h"
+#include "driver.hpp"
+#include "verilated.h"
+#if VM_TRACE_FST
+#include "verilated_fst_c.h"
+using Trace = VerilatedFstC;
+#elif VM_TRACE
+#include "verilated_vcd_c.h"
+using Trace = VerilatedVcdC;
+#endif
+
+// A reproducible random stream: true with a probability in thousandths.
+class Coin {
+ public:
+  void set(uint32_t permille, uint64_t seed) {
+    threshold_ = static_cast<uint32_t>(permille * 4294967ull);
+    state_ = seed * 0x9E3779B97F4A7C15ull + 0x632BE59BD9B4E019ull;
+  }
+  bool toss() {
+    if (!threshold_) return false;
+    state_ ^= state_ << 13;
+    state_ ^= state_ >> 7;
+    state_ ^= state_ << 17;
+    return static_cast<uint32_t>(state_ >> 32) < threshold_;
+  }
+
+ private:
+  uint64_t state_ = 0x9E3779B97F4A7C15ull;
+  uint32_t threshold_ = 0;
+};
+
+struct Camera {
+  std::vector<uint16_t> beats;  // grey | user << 8 | last << 9
+  size_t at = 0;
+  bool offered = false;  // an offered beat stays offered until it is taken
+  Coin pause;
+
+  bool busy() const { return at < beats.size(); }
+};
+
+struct Surface {
+  std::vector<uint16_t> scores;
+  Coin pause;
+  bool first = true;    // the next score is the first of its surface
+  bool broken = false;  // a mark of a surface's first score was missing or wrong
+};
+
+class Clock final : public Bus {
+ public:
+  static constexpr int kCameras = 2;
+  static constexpr int kIdle = 64;           // clocks between looks at the board when there is nothing to do
+  static constexpr int kBusLimit = 1 << 20;  // clocks a register access may take
+
+  Camera cameras[kCameras];
+  Surface surface;
+
+  ~Clock() override {
+#if VM_TRACE
+    if (trace_) trace_->close();
+#endif
+    top_->final();
+  }
+
+  // Starts a wave dump; false when this build has none.
+  bool trace(const char* path) {
+#if VM_TRACE
+    context_.traceEverOn(true);
+    trace_ = std::make_unique<Trace>();
+    top_->trace(trace_.get(), 99);
+    trace_->open(path);
+    return true;
+#else
+    (void)path;
+    return false;
+#endif
+  }
+
+  // Resets the board; beats that were queued and scores that were received are forgotten.
+  void reset() {
+    for (Camera& camera : cameras) {
+      camera.beats.clear();
+      camera.at = 0;
+      camera.offered = false;
+    }
+    surface.scores.clear();
+    surface.first = true;
+    surface.broken = stuck_ = false;
+    Vslog_board& t = *top_;
+    t.s_axil_awvalid = t.s_axil_wvalid = t.s_axil_arvalid = t.s_axil_bready = t.s_axil_rready = 0;
+    t.rst_i = 1;
+    for (int k = 0; k < 4; ++k) tick();
+    t.rst_i = 0;
+    for (int k = 0; k < 4; ++k) tick();
+  }
+
+  bool playing() const {
+    return std::any_of(cameras, cameras + kCameras, [](const Camera& camera) { return camera.busy(); });
+  }
+
+  uint64_t now() override { return clocks_; }
+  uint64_t clocks() const { return clocks_; }
+  bool failed() const override { return stuck_; }
+  bool result_waiting() const override { return top_->irq_o; }
+  void idle() override {
+    for (int k = 0; k < kIdle && !top_->irq_o; ++k) tick();
+  }
+
+  // One register access at a time, as the board takes them: 10 clocks a write, 12 a read when the register answers at once.
+  void write(uint32_t address, uint32_t data) override {
+    Vslog_board& t = *top_;
+    t.s_axil_awaddr = address;
+    t.s_axil_wdata = data;
+    t.s_axil_wstrb = 0xF;
+    t.s_axil_awvalid = t.s_axil_wvalid = 1;
+    t.s_axil_bready = 1;
+    // With no access under way both channels are taken at once.
+    tick();
+    t.s_axil_awvalid = t.s_axil_wvalid = 0;
+    for (int k = 0; !t.s_axil_bvalid && !stuck_; ++k) {
+      tick();
+      stuck_ = k == kBusLimit;
+    }
+    tick();
+    t.s_axil_bready = 0;
+  }
+
+  uint32_t read(uint32_t address) override {
+    Vslog_board& t = *top_;
+    t.s_axil_araddr = address;
+    t.s_axil_arvalid = 1;
+    t.s_axil_rready = 1;
+    tick();
+    t.s_axil_arvalid = 0;
+    for (int k = 0; !t.s_axil_rvalid && !stuck_; ++k) {
+      tick();
+      stuck_ = k == kBusLimit;
+    }
+    const uint32_t data = t.s_axil_rdata;
+    tick();
+    t.s_axil_rready = 0;
+    return data;
+  }
+
+  void tick() {
+    Vslog_board& t = *top_;
+    const uint32_t valid = drive_cameras();
+    t.surf_tready_i = !surface.pause.toss();
+    t.clk_i = 0;
+    t.eval();
+    dump(0);
+    for (int c = 0; c < kCameras; ++c) {
+      if (valid & t.vid_tready_o & 1u << c) {
+        ++cameras[c].at;
+        cameras[c].offered = false;
+      }
+    }
+    // Outputs are arbitrary during a reset.
+    if (!t.rst_i && t.surf_tvalid_o && t.surf_tready_i) {
+      if (t.surf_tuser_o != surface.first) surface.broken = true;
+      surface.first = t.surf_tlast_o;
+      surface.scores.push_back(t.surf_tdata_o);
+    }
+    t.clk_i = 1;
+    t.eval();
+    dump(1);
+    ++clocks_;
+  }
+
+ private:
+  // Drives the video inputs; returns the cameras that offer a beat, as a mask.
+  uint32_t drive_cameras() {
+    uint32_t data = 0, valid = 0, user = 0, last = 0;
+    for (int c = 0; c < kCameras; ++c) {
+      Camera& camera = cameras[c];
+      if (!camera.busy()) continue;
+      camera.offered = camera.offered || !camera.pause.toss();
+      if (!camera.offered) continue;
+      const uint32_t beat = camera.beats[camera.at];
+      data |= (beat & 0xFF) << 8 * c;
+      user |= (beat >> 8 & 1) << c;
+      last |= (beat >> 9 & 1) << c;
+      valid |= 1u << c;
+    }
+    top_->vid_tdata_i = data;
+    top_->vid_tvalid_i = valid;
+    top_->vid_tuser_i = user;
+    top_->vid_tlast_i = last;
+    return valid;
+  }
+
+  void dump([[maybe_unused]] uint64_t half) {
+#if VM_TRACE
+    if (trace_) trace_->dump(2 * clocks_ + half);
+#endif
+  }
+
+  VerilatedContext context_;
+  std::unique_ptr<Vslog_board> top_ = std::make_unique<Vslog_board>(&context_);
+#if VM_TRACE
+  std::unique_ptr<Trace> trace_;
+#endif
+  uint64_t clocks_ = 0;
+  bool stuck_ = false;  // a register access was never answered
+};

