@@ -9,13 +9,14 @@ from typing import Annotated
 
 import typer
 
-from signum.applications.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye, State, Target
+from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye
+from signum.applications.follow.follower import State, Target
+from signum.applications.follow.judge import judge_chase
 from signum.applications.follow.page import draw_chase, draw_states, follow_bars, follow_section
 from signum.applications.follow.pilot import Where
 from signum.applications.follow.record import FollowRecord
-from signum.applications.follow.simulate import Chase, Row, judge
-from signum.applications.follow.simulate import follow as chase_fish
-from signum.applications.follow.watch import watch
+from signum.applications.follow.simulate import Chase, simulate_chase
+from signum.applications.follow.watch import watch_fish
 from signum.boards.board import BoardBase
 from signum.commands.common import (
     BoardName,
@@ -95,15 +96,15 @@ def _chase(board: BoardBase, chase: Chase, output: Path, film: bool, sigma: floa
     out.print(f"seed {chase.seed}")
     try:
         with progress("following", total) as tell:
-            for k, g in enumerate(chase_fish(lambda size: Measurer(board, size, sigma), chase, camera)):
+            for k, g in enumerate(simulate_chase(lambda size: Measurer(board, size, sigma), chase, camera)):
                 record.add(str(k), g.time, g.target, g.frame,
                            truth=(*g.truth, g.range_m, *(57.29578 * a for a in g.head)))
-                rows.append(Row.of(g, camera))
+                rows.append(g.row(camera))
                 tell(str(g.target.state))
     finally:
         record.close()
         if rows:
-            figures = judge(rows, chase.rate, min(5.0, chase.seconds / 2))
+            figures = judge_chase(rows, chase.rate, min(5.0, chase.seconds / 2))
             bars = follow_bars(chase.where, figures)
             about = (f"A simulated fish in turbid water, {chase.where}; a pan/tilt follows it, the vehicle follows the "
                      f"pan/tilt; seed {chase.seed}.")
@@ -153,7 +154,7 @@ def _watch(board: BoardBase, source: str, right: str | None, calibration: Path |
     record = FollowRecord(output, False, rate, film, max(2.0, (total or 600) / rate / 6))
     try:
         with progress("following", total) as tell:
-            for k, target in enumerate(watch(eye, pictures())):
+            for k, target in enumerate(watch_fish(eye, pictures())):
                 record.add(names[-1], k / rate, target, shown[0], fit.factor)
                 tell(_word(target))
     finally:

@@ -13,13 +13,13 @@ import cv2
 import numpy as np
 import typer
 
+from signum.applications.hold.judge import judge_hold_rows
 from signum.applications.hold.mavlink import MavlinkSink
-from signum.applications.hold.meter import Reading
 from signum.applications.hold.page import hold_bars, hold_section
+from signum.applications.hold.reading import Reading
 from signum.applications.hold.record import HoldRecord
-from signum.applications.hold.simulate import SURGE, Scenario, judge_rows
-from signum.applications.hold.simulate import hold as fly
-from signum.applications.hold.watch import watch
+from signum.applications.hold.simulate import SURGE, Scenario, simulate_hold
+from signum.applications.hold.watch import watch_station
 from signum.boards.board import BoardBase
 from signum.commands.common import (
     BoardName,
@@ -126,7 +126,7 @@ def _fly(board: BoardBase, scenario: Scenario, output: Path, sink: MavlinkSink |
     out.print(f"seed {scenario.seed}")
     try:
         with progress("holding", total) as tell:
-            for k, m in enumerate(fly(lambda size: Measurer(board, size, sigma), scenario)):
+            for k, m in enumerate(simulate_hold(lambda size: Measurer(board, size, sigma), scenario)):
                 record.add(str(k), m.time, m.reading, m.frame, m.features,
                            truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
                 rows.append(m.row)
@@ -138,7 +138,7 @@ def _fly(board: BoardBase, scenario: Scenario, output: Path, sink: MavlinkSink |
             about = (f"A simulated vehicle {scenario.range_m:g} m above the floor, current "
                      f"{scenario.current.steady[0]:g} m/s with surge, {scenario.water.snow} snow flakes in view, light "
                      f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
-            figures = judge_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
+            figures = judge_hold_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
             bars = hold_bars(figures)
             write_page(output / "report.html", "Station keeping",
                        [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)])
@@ -172,7 +172,7 @@ def _measure(board: BoardBase, source: str, output: Path, seconds: float | None,
     pictures = islice(chain([first], pictures), total if seconds is not None else None)
     try:
         with progress("measuring", total) as tell:
-            for seen in watch(Measurer(board, fit.board, sigma), pictures, fit, focal, range_m, rate, window):
+            for seen in watch_station(Measurer(board, fit.board, sigma), pictures, fit, focal, range_m, rate, window):
                 record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
                 _send(sink, beat, seen.time, seen.reading)
                 tell(_word(seen.reading))

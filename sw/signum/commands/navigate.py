@@ -11,10 +11,11 @@ import cv2
 import numpy as np
 import typer
 
+from signum.applications.navigate.aim import Aim, TargetFinder
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
-from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
-from signum.applications.navigate.pilot import Aim, Pilot
+from signum.applications.navigate.localise import Localiser
+from signum.applications.navigate.place import ANY_HEADING, LocaliseLimits, Place
 from signum.boards.board import BoardBase
 from signum.commands.common import (
     BoardName,
@@ -87,7 +88,7 @@ def navigate(
         if simulate is not None:
             _simulated(b, simulate, mosaic, output, goto, seed)
         else:
-            limits = Limits(turns_deg=ANY_HEADING) if any_heading else Limits()
+            limits = LocaliseLimits(turns_deg=ANY_HEADING) if any_heading else LocaliseLimits()
             _recorded(b, Chart.load(mosaic), str(source), output, sigma, window, calibration, goto, prior, limits)
 
 
@@ -133,17 +134,17 @@ class _Log:
 
 
 def _recorded(board: BoardBase, chart: Chart, source: str, output: Path, sigma: float, window: int,
-              calibration: Path | None, goto: str | None, prior: bool, limits: Limits) -> None:
+              calibration: Path | None, goto: str | None, prior: bool, limits: LocaliseLimits) -> None:
     frames = open_source(source, calibration)
     target = None if goto is None else chart.place(goto)
     log = _Log(output, chart, target)
-    pilot: Pilot | None = None
+    pilot: TargetFinder | None = None
     try:
         with progress("navigate", frames.count) as tell:
             for frame in frames:
                 if pilot is None:
                     fit = fit_to(frame, board, window, frames)
-                    pilot = Pilot(_localiser(board, fit, chart, window, sigma, limits), target, patience=0)
+                    pilot = TargetFinder(_localiser(board, fit, chart, window, sigma, limits), target, patience=0)
                 if not prior:
                     pilot.forget()
                 aim = pilot.look(frame.picture)
@@ -157,13 +158,13 @@ def _recorded(board: BoardBase, chart: Chart, source: str, output: Path, sigma: 
 
 
 def _simulated(board: BoardBase, kind: Simulated, mosaic: Path, output: Path, goto: str | None, seed: int) -> None:
-    from signum.applications.navigate.simulate import PanTiltSite, Scene, Step
-    from signum.applications.navigate.truth import SIGMA, WINDOW
-    from signum.applications.navigate.vehicle import Dive, VehicleSite
+    from signum.applications.navigate.simulate.pan_tilt import PanTiltScene, PanTiltSite, Step
+    from signum.applications.navigate.simulate.truth import SURVEY_SIGMA, SURVEY_WINDOW
+    from signum.applications.navigate.simulate.vehicle import Dive, VehicleSite
 
     if (mosaic / "mosaic.png").exists() and not (mosaic / SIMULATED).exists():
         raise SignumError(f"{mosaic}: holds a mosaic that was not simulated; give another folder for the simulated one")
-    site = PanTiltSite(Scene(seed=seed)) if kind is Simulated.pan_tilt else VehicleSite(Dive(seed=seed))
+    site = PanTiltSite(PanTiltScene(seed=seed)) if kind is Simulated.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
     (mosaic / SIMULATED).write_text(f"{kind}, seed {seed}\n", encoding="utf-8")
     notes.print(f"simulated {kind}, seed {seed}")
@@ -174,7 +175,7 @@ def _simulated(board: BoardBase, kind: Simulated, mosaic: Path, output: Path, go
         return
     target = chart.place(goto)
     size = site.size
-    localiser = _localiser(board, Fit(size, size), chart, WINDOW, SIGMA, Limits())
+    localiser = _localiser(board, Fit(size, size), chart, SURVEY_WINDOW, SURVEY_SIGMA, LocaliseLimits())
     rng = np.random.default_rng([seed, 22])
     way = (site.go(localiser, target, site.random_head(rng)) if isinstance(site, PanTiltSite)
            else site.go(localiser, target, site.random_start(rng)))
@@ -195,7 +196,8 @@ def _simulated(board: BoardBase, kind: Simulated, mosaic: Path, output: Path, go
               f"{error:.2f} px off, {100 * error / size[0]:.2f} % of the view")
 
 
-def _localiser(board: BoardBase, fit: Fit, chart: Chart, window: int, sigma: float, limits: Limits) -> Localiser:
+def _localiser(board: BoardBase, fit: Fit, chart: Chart, window: int, sigma: float, limits: LocaliseLimits
+               ) -> Localiser:
     largest = board.config.max_width, board.config.max_height
     return Localiser(lambda size, wide: Measurer(board, size, wide), largest, fit, chart, window, sigma, limits)
 

@@ -13,19 +13,17 @@ import numpy as np
 import typer
 
 from signum.applications.follow.pilot import Where
-from signum.applications.follow.simulate import Chase
-from signum.applications.follow.simulate import follow as chase_fish
-from signum.applications.hold.simulate import Scenario
-from signum.applications.hold.simulate import hold as keep_station
+from signum.applications.follow.simulate import Chase, simulate_chase
+from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.commands.common import BoardName, OutOption, app, board_of, guarded
 from signum.common.arrays import Image
 from signum.common.console import out, progress
 from signum.common.errors import SignumError
 from signum.measure.measurer import Measurer
-from signum.sources.simulated import Survey
+from signum.sources.simulated import SurveyTrack
 from signum.tables.table import Table
-from signum.world.camera import Pinhole
-from signum.world.scenes import BASELINE_M, Still, drift, survey, truth_of
+from signum.world.camera import BASELINE_M, Pinhole
+from signum.world.scenes import Still, drift, survey, truth_of
 from signum.world.water import CLEAR, COASTAL, PAPER
 
 WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
@@ -153,7 +151,7 @@ def _stills(kind: Kind, camera: Pinhole, seconds: float, rate: float, height: fl
             seed: int) -> Iterator[Still]:
     light = WATERS[water]
     if kind is Kind.survey:
-        yield from survey(Survey().place, seconds, rate, height, stereo, light, seed, camera)
+        yield from survey(SurveyTrack().place, seconds, rate, height, stereo, light, seed, camera)
     elif kind is Kind.drift:
         yield from drift(seconds, rate, height, stereo, light, seed, camera)
     else:
@@ -162,12 +160,12 @@ def _stills(kind: Kind, camera: Pinhole, seconds: float, rate: float, height: fl
                 return Measurer(board, size, 2.0)
 
             if kind is Kind.hold:
-                for m in keep_station(measurer, Scenario(seconds, rate, height, water=light, seed=seed), camera):
+                for m in simulate_hold(measurer, Scenario(seconds, rate, height, water=light, seed=seed), camera):
                     ahead, aside, _, heading = m.truth
                     yield Still(m.time, (m.frame,), truth_of(np.array([ahead, aside, 0.0]), (*m.level, heading),
                                                              m.range_m))
             else:
-                for g in chase_fish(measurer, Chase(Where(kind), seconds, rate, water=light, seed=seed), camera):
+                for g in simulate_chase(measurer, Chase(Where(kind), seconds, rate, water=light, seed=seed), camera):
                     named = {"north_m": g.position[0], "east_m": g.position[1], "depth_m": g.position[2],
                              "pan_deg": math.degrees(g.head[0]), "tilt_deg": math.degrees(g.head[1]),
                              "fish_x_px": g.truth[0], "fish_y_px": g.truth[1], "fish_range_m": g.range_m}

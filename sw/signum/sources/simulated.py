@@ -20,7 +20,7 @@ FOCAL = 400.0
 
 
 @dataclass(frozen=True)
-class Survey:
+class SurveyTrack:
     """What is flown; every attribute may be set in a source's name, `world:frames=200,water=paper`.
 
     Attributes:
@@ -52,9 +52,9 @@ class Survey:
 
 
 class WorldSource(Source):
-    """Frames of a `Survey`, grey, 384x288."""
+    """Frames of a `SurveyTrack`, grey, 384x288."""
 
-    def __init__(self, survey: Survey, label: str = "world") -> None:
+    def __init__(self, survey: SurveyTrack, label: str = "world") -> None:
         super().__init__(label, survey.frames)
         self.survey = survey
 
@@ -66,7 +66,7 @@ class WorldSource(Source):
             SourceError: for a name or value that is not known.
         """
         kinds: dict[str, Callable[[str], object]] = {
-            f.name: type(getattr(Survey, f.name)) for f in fields(Survey)}
+            f.name: type(getattr(SurveyTrack, f.name)) for f in fields(SurveyTrack)}
         values: dict[str, object] = {}
         for part in filter(None, text.partition(":")[2].split(",")):
             name, _, value = part.partition("=")
@@ -74,8 +74,8 @@ class WorldSource(Source):
                 values[name] = kinds[name](value)
             except (KeyError, ValueError) as error:
                 raise SourceError(f"{text}: {part!r} is none of " + ", ".join(
-                    f"{n}={f.default}" for n, f in zip(kinds, fields(Survey), strict=True))) from error
-        survey = Survey(**values)  # type: ignore[arg-type]
+                    f"{n}={f.default}" for n, f in zip(kinds, fields(SurveyTrack), strict=True))) from error
+        survey = SurveyTrack(**values)  # type: ignore[arg-type]
         if survey.water not in WATERS or survey.photo not in PHOTOS:
             raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo of {', '.join(PHOTOS)}")
         if survey.frames < 1 or min(survey.rate, survey.speed, survey.columns, survey.spacing, survey.height) <= 0:

@@ -11,6 +11,8 @@ from signum.common.arrays import Floats
 from signum.geometry.camera import Sight
 from signum.world.seafloor import Float, Seafloor
 
+BASELINE_M = 0.12
+"""Distance between the two cameras of the simulated stereo pair, metres."""
 COARSE = 4
 """The ray's meeting with the floor is found on every COARSE-th pixel and interpolated: relief is smooth at that
 scale."""

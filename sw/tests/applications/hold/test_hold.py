@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from signum.applications.hold.keeper import Axes, Sensed, StationKeeper
+from signum.applications.hold.judge import judge_hold
+from signum.applications.hold.keeper import Sensed, StationKeeper
+from signum.applications.hold.loops import Axes
 from signum.applications.hold.mavlink import MavlinkSink
-from signum.applications.hold.meter import Level, Reading, StationMeter
-from signum.applications.hold.simulate import Scenario, hold, judge
+from signum.applications.hold.meter import StationMeter
+from signum.applications.hold.reading import Level, Reading
+from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.applications.hold.tuning import PEAK, peaks, tune
 from signum.boards.golden import GoldenBoard
 from signum.measure.measurer import Measurer
@@ -50,26 +53,26 @@ def test_signs_and_sizes(world: World, forward: float, right: float, up: float, 
 
 def test_it_stays() -> None:
     """A short form of the long hold: occluded for 3 s on the way."""
-    moments = list(hold(measurer, Scenario(seconds=34, occluded=(16.0, 19.0), seed=1)))
-    figures = judge(moments, settle=8.0)
+    moments = list(simulate_hold(measurer, Scenario(seconds=34, occluded=(16.0, 19.0), seed=1)))
+    figures = judge_hold(moments, settle=8.0)
     print(f"RMS {figures.rms_m * 100:.1f} cm, heading {np.degrees(figures.heading_rms):.2f} degrees, "
           f"range {figures.range_rms:.2%}, {figures.valid:.0%} valid")
     blind = [m for m in moments if 16.05 < m.time < 18.95]
     assert blind and all(m.reading.confidence == 0 for m in blind)
     assert all(m.reading.valid for m in moments if m.time >= 20.0)
     assert np.hypot(*np.array([m.truth[:2] for m in moments if 16 <= m.time < 20]).T).max() < 0.25
-    calm = judge([m for m in moments if m.time < 16.0], settle=8.0)
+    calm = judge_hold([m for m in moments if m.time < 16.0], settle=8.0)
     assert calm.rms_m <= 0.02 and calm.heading_rms <= np.radians(0.5) and calm.range_rms <= 0.01
     assert figures.wrong == 0
 
 
 def test_a_lost_target_is_found_again() -> None:
     """Shoved until the station is out of sight: no wrong reading, and back home afterwards."""
-    moments = list(hold(measurer, Scenario(seconds=24, shoved=(6.0, 9.0), shove=(32.0, 8.0), seed=2)))
+    moments = list(simulate_hold(measurer, Scenario(seconds=24, shoved=(6.0, 9.0), shove=(32.0, 8.0), seed=2)))
     away = np.array([np.hypot(*m.truth[:2]) for m in moments])
     assert away.max() > 0.4
     assert any(not m.reading.valid for m in moments)
-    assert judge(moments, settle=0.0).wrong == 0
+    assert judge_hold(moments, settle=0.0).wrong == 0
     assert moments[-1].reading.valid and away[-20:].max() < 0.06
 
 
