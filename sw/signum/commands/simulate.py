@@ -24,9 +24,7 @@ from signum.sources.simulated import SurveyTrack
 from signum.tables.table import Table
 from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.scenes import Still, drift, survey, truth_of
-from signum.world.water import CLEAR, COASTAL, PAPER
-
-WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
+from signum.world.water import WATERS
 
 
 class Kind(StrEnum):

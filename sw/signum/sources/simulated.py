@@ -12,23 +12,20 @@ from signum.frames.frame import Frame, Source
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.world.camera import Pinhole
 from signum.world.seafloor import PHOTOS, Seafloor
-from signum.world.water import CLEAR, COASTAL, PAPER
+from signum.world.water import WATERS
 from signum.world.world import World
-
-WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
-FOCAL = 400.0
 
 
 @dataclass(frozen=True)
 class SurveyTrack:
-    """What is flown; every attribute may be set in a source's name, `world:frames=200,water=paper`.
+    """The track of a simulated survey; every attribute can be set in a source's name, `world:frames=200,water=paper`.
 
     Attributes:
-        frames: their number; rate: a second.
-        speed: m/s along the columns; columns: their length in metres; spacing: between them, metres.
+        frames: their number; rate: frames per second.
+        speed: m/s along the columns; columns: their length, metres; spacing: between them, metres.
         height: over the mean floor, metres.
         relief: standard deviation of the floor's height, metres.
-        water: one of WATERS; photo: what the floor is covered with.
+        water: one of WATERS; photo: the floor's texture, one of PHOTOS.
         seed: of floor, water and noise.
     """
 
@@ -44,7 +41,7 @@ class SurveyTrack:
     seed: int = 0
 
     def place(self, time: float) -> tuple[float, float]:
-        """North and east, metres, from the survey's first corner, at `time` seconds; the corners are flown aside."""
+        """North and east, metres, from the survey's first corner, at `time` seconds; from column to column it goes sideways."""
         turn = self.columns + self.spacing
         column, along = divmod(self.speed * time, turn)
         north, east = min(along, self.columns), column * self.spacing + max(along - self.columns, 0.0)
@@ -52,7 +49,7 @@ class SurveyTrack:
 
 
 class WorldSource(Source):
-    """Frames of a `SurveyTrack`, grey, 384x288."""
+    """Frames of a `SurveyTrack`, grey, of the default camera's size."""
 
     def __init__(self, survey: SurveyTrack, label: str = "world") -> None:
         super().__init__(label, survey.frames)
@@ -63,7 +60,7 @@ class WorldSource(Source):
         """From `world` or `world:name=value,...`.
 
         Raises:
-            SourceError: for a name or value that is not known.
+            SourceError: for an unknown name or value.
         """
         kinds: dict[str, Callable[[str], object]] = {
             f.name: type(getattr(SurveyTrack, f.name)) for f in fields(SurveyTrack)}
@@ -77,9 +74,9 @@ class WorldSource(Source):
                     f"{n}={f.default}" for n, f in zip(kinds, fields(SurveyTrack), strict=True))) from error
         survey = SurveyTrack(**values)  # type: ignore[arg-type]
         if survey.water not in WATERS or survey.photo not in PHOTOS:
-            raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo of {', '.join(PHOTOS)}")
+            raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo one of {', '.join(PHOTOS)}")
         if survey.frames < 1 or min(survey.rate, survey.speed, survey.columns, survey.spacing, survey.height) <= 0:
-            raise SourceError(f"{text}: frames, rate, speed, columns, spacing and height are above 0")
+            raise SourceError(f"{text}: frames, rate, speed, columns, spacing and height must be above 0")
         return cls(survey, text)
 
     def _frames(self) -> Iterator[Frame]:
@@ -87,9 +84,10 @@ class WorldSource(Source):
         flown = [s.place(k / s.rate) for k in range(s.frames)]
         middle = (np.min(flown, axis=0) + np.max(flown, axis=0)) / 2
         extent = float(np.ptp(np.array(flown), axis=0).max()) + 1.5 * s.height + 1.0
-        floor = Seafloor(extent=extent, relief=s.relief, texel=0.8 * s.height / FOCAL, photo=s.photo, seed=s.seed)
+        camera = Pinhole()
+        floor = Seafloor(extent=extent, relief=s.relief, texel=0.8 * s.height / camera.focal, photo=s.photo,
+                         seed=s.seed)
         world = World(floor, WATERS[s.water], seed=s.seed)
-        camera = Pinhole(focal=FOCAL)
         for k, (north, east) in enumerate(flown):
             position = np.array([north - middle[0], east - middle[1], -s.height])
             swell = 0.01 * np.sin(0.9 * k / s.rate), 0.01 * np.cos(0.7 * k / s.rate), 0.02 * np.sin(0.3 * k / s.rate)

@@ -5,14 +5,14 @@ import numpy as np
 from signum.applications.mosaic.blend import LOCAL_GAINS, compose, sketch
 from signum.common.arrays import Image
 from signum.geometry.similarity import Similarity
-from signum.world.scene import gravel
+from signum.world.seafloor import photograph
 
 SIZE = 128, 96
 
 
 def _survey(cone: float) -> tuple[list[Image], list[Similarity], Image]:
     """Frames of a photograph, half a frame apart, under a lamp whose light falls by `cone` in the corners."""
-    photo = gravel(1.0)
+    photo = photograph("gravel")
     u, v = np.meshgrid(np.linspace(-1, 1, SIZE[0]), np.linspace(-1, 1, SIZE[1]))
     light = 1 - cone * (u**2 + v**2) / 2
     places = [Similarity.of(shift=(float(x), float(y))) for y in range(0, 6 * 48, 48) for x in range(0, 6 * 64, 64)]

@@ -35,7 +35,7 @@ LARGEST = (640, 480)
 @pytest.fixture(scope="module")
 def floor() -> NDArray[np.uint8]:
     """A photograph enlarged: a quilt of it would show parts of it several times."""
-    photo = cv2.resize(photograph("gravel"), (900, 900), interpolation=cv2.INTER_CUBIC)
+    photo = cv2.resize(photograph("gravel").astype(np.float32), (900, 900), interpolation=cv2.INTER_CUBIC)
     return np.asarray(np.clip(photo[:700], 1, 255), np.uint8)
 
 
@@ -85,7 +85,7 @@ def test_with_a_prior_and_with_a_wrong_one(floor: NDArray[np.uint8]) -> None:
 
 def test_nothing_is_found_that_is_not_there(floor: NDArray[np.uint8]) -> None:
     localiser = _localiser(Chart.of(floor))
-    strange = cv2.resize(photograph("grass"), (900, 900)).astype(np.uint8)
+    strange = cv2.resize(photograph("grass").astype(np.float32), (900, 900)).astype(np.uint8)
     for frame in (strange[:SIZE[1], :SIZE[0]], np.full(SIZE[::-1], 90, np.uint8)):
         assert not localiser.locate(np.ascontiguousarray(frame)).known
 
