@@ -41,7 +41,8 @@ class SurveyTrack:
     seed: int = 0
 
     def place(self, time: float) -> tuple[float, float]:
-        """North and east, metres, from the survey's first corner, at `time` seconds; from column to column it goes sideways."""
+        """North and east, metres, from the survey's first corner, at `time` seconds; columns are joined by sideways
+        legs."""
         turn = self.columns + self.spacing
         column, along = divmod(self.speed * time, turn)
         north, east = min(along, self.columns), column * self.spacing + max(along - self.columns, 0.0)

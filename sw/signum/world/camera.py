@@ -47,9 +47,14 @@ class Pinhole:
         z = np.where(local[:, 2] > 1e-6, local[:, 2], np.nan)
         return np.asarray(local[:, :2] / z[:, None] * self.focal + self.centre)
 
+    def unproject(self, sight: Sight, pixels: Floats, depths: Floats) -> Floats:
+        """World points (n, 3) seen at pixels (n, 2) with depths (n,) along the optical axis, metres."""
+        rays = np.hstack([(np.atleast_2d(pixels) - self.centre) / self.focal, np.ones((len(depths), 1))])
+        return np.asarray(sight.position + (rays * np.asarray(depths)[:, None]) @ sight.rotation.T)
+
     def meet(self, sight: Sight, floor: Seafloor) -> Float:
-        """Depth of the floor along the optical axis, metres, float32 (height, width); infinite where a pixel's ray does not
-        meet the floor within 60 m.
+        """Depth of the floor along the optical axis, metres, float32 (height, width); infinite where a pixel's ray does
+        not meet the floor within 60 m.
         """
         width, height = self.size
         step_u, step_v = -(-(width - 1) // COARSE), -(-(height - 1) // COARSE)

@@ -76,6 +76,8 @@ class Seafloor:
         feature: length scale of the relief, metres.
         texel: metres per pixel of the finest texture.
         photo: its texture, one of PHOTOS.
+        quilted: whether the texture is a quilt of the photograph; False enlarges the photograph itself to the whole
+            floor, so that nothing recurs on it.
         slope: (north, east) inclination of the mean plane, metres of depth per metre.
         seed: of texture and relief.
     """
@@ -85,6 +87,7 @@ class Seafloor:
     feature: float = 0.8
     texel: float = 0.0025
     photo: str = "gravel"
+    quilted: bool = True
     slope: tuple[float, float] = (0.0, 0.0)
     seed: int = 0
     levels: list[Float] = field(init=False, repr=False)
@@ -95,7 +98,9 @@ class Seafloor:
 
     def __post_init__(self) -> None:
         rng = np.random.default_rng([self.seed, 1])
-        self.levels = [quilt(photograph(self.photo), round(self.extent / self.texel), rng)]
+        photo, side = photograph(self.photo), round(self.extent / self.texel)
+        self.levels = [quilt(photo, side, rng) if self.quilted else
+                       cv2.resize(photo, (side, side), interpolation=cv2.INTER_CUBIC).astype(np.float32)]
         while len(self.levels) < 5:
             self.levels.append(np.asarray(cv2.pyrDown(self.levels[-1]), np.float32))
         count = round(self.extent / self.cell)

@@ -1,4 +1,4 @@
-"""The effects of water, lamp and sensor on a picture: attenuation, backscatter, light cone, fall-off, marine snow, noise.
+"""Water, lamp and sensor in a picture: attenuation, backscatter, light cone, fall-off, marine snow, noise.
 
 A point of albedo J at range R, lit by a lamp beside the camera, has the grey level
 `J light(angle) exp(-2 c (R - R0)) (R0 / R)^2 + B (1 - exp(-2 c R))`; R0 is the range at which the exposure is set.

@@ -70,20 +70,23 @@ class Scenario:
         return tuple((begin, end + 10.0) for begin, end in filter(None, (self.occluded, self.shoved)))
 
 
-def simulate_hold(measurer: Callable[[tuple[int, int]], Measurer], scenario: Scenario, camera: Pinhole | None = None
-                  ) -> Iterator[Moment]:
+def simulate_hold(measurer: Callable[[tuple[int, int]], Measurer], scenario: Scenario, camera: Pinhole | None = None,
+                  floor: Seafloor | None = None) -> Iterator[Moment]:
     """Fly a scenario, frame by frame.
 
     Args:
         measurer: makes a measurer for a picture size (width, height).
+        scenario: what is flown.
+        camera: None for the default one.
+        floor: None for a quilted one with the scenario's relief.
 
     Raises:
         SignumError: if stereo measures no range, or the station offers too few features.
     """
     s = scenario
     camera = camera or Pinhole()
-    world = World(Seafloor(extent=6.0, relief=s.relief, texel=0.0025, seed=s.seed), s.water, current=s.current,
-                  occluder=occluder(s.occluded), seed=s.seed)
+    floor = floor or Seafloor(extent=6.0, relief=s.relief, texel=0.0025, seed=s.seed)
+    world = World(floor, s.water, current=s.current, occluder=occluder(s.occluded), seed=s.seed)
     vehicle = Vehicle(current=s.current, position=np.array([0.0, 0.0, -s.range_m]))
     head = PanTilt() if s.head else None
     rng = np.random.default_rng([s.seed, 5])

@@ -63,9 +63,8 @@ class Truth:
         place, shot = max(self.shots, key=lambda s: _likeness(chart.picture, at, *s))
         x, y = self.pinhole(place.inverse(at))
         height, width = shot.depth.shape
-        z = float(shot.depth[int(np.clip(round(float(y)), 0, height - 1)), int(np.clip(round(float(x)), 0, width - 1))])
-        ray = np.array([*((np.array([x, y]) - self.camera.centre) / self.camera.focal), 1.0])
-        return np.asarray(shot.sight.position + shot.sight.rotation @ (z * ray), np.float64)
+        z = shot.depth[int(np.clip(round(float(y)), 0, height - 1)), int(np.clip(round(float(x)), 0, width - 1))]
+        return np.asarray(self.camera.unproject(shot.sight, np.array([x, y]), np.array([z]))[0], np.float64)
 
 
 def build_chart(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path,
