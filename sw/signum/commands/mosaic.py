@@ -12,8 +12,8 @@ import typer
 
 from signum.applications.mosaic.accuracy import ACCURACY, Track, judge, read_track, rows
 from signum.applications.mosaic.georeference import Georeference, by_log, by_range
-from signum.applications.mosaic.ledger import CURVED, Settings
 from signum.applications.mosaic.pose import Pose
+from signum.applications.mosaic.settings import CURVED, SurveySettings
 from signum.applications.mosaic.shelf import Run, Shelf
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
@@ -93,7 +93,7 @@ def mosaic(
     ground = _ground(range_m, focal, calibration, None if navigation is None else read_track(navigation, frames.label),
                      epsg)
     survey: Survey | None = None
-    settings = CURVED if columns is Columns.turned else Settings(loops=columns is Columns.auto)
+    settings = CURVED if columns is Columns.turned else SurveySettings(loops=columns is Columns.auto)
     every = LIVE_EVERY if live else float("inf")
     done = 0
     with board_of(board, window) as b:
@@ -133,7 +133,7 @@ def mosaic(
 
 
 def _resumes(asked: bool | None, output: Path, frames: Source, frame: Frame, window: int, sigma: float,
-             settings: Settings) -> bool:
+             settings: SurveySettings) -> bool:
     """Whether to go on with what is in the folder."""
     if asked is not None:
         return asked

@@ -213,5 +213,6 @@ def _station(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor,
 
 def _moved(camera: Pinhole, floor: Seafloor, then: Sight, now: Sight, at: Floats) -> Floats:
     """Pixel (2,) in the view from `now` of the ground point at pixel `at` of the view from `then`."""
-    depth = cv2.remap(camera.meet(then, floor), np.float32(at[:1]), np.float32(at[1:]), cv2.INTER_LINEAR)
-    return np.asarray(camera.project(now, camera.unproject(then, at, np.asarray(depth, np.float64).ravel()))[0])
+    u, v = at.astype(np.float32)[:, None]
+    depth = np.asarray(cv2.remap(camera.meet(then, floor), u, v, cv2.INTER_LINEAR), np.float64)
+    return np.asarray(camera.project(now, camera.unproject(then, at, depth.ravel()))[0])

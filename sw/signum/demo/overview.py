@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import io
+
 import cv2
 import numpy as np
 from matplotlib import pyplot as plt
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from signum.applications.hold.record import draw_reading
 from signum.common.arrays import Image
@@ -64,11 +65,10 @@ def draw_paths(flight: DemoFlight) -> Image:
     zoomed.set_aspect("equal", adjustable="datalim")
     zoomed.set_title("held", fontsize=12)
     drawn.tight_layout()
-    canvas = FigureCanvasAgg(drawn)
-    canvas.draw()
-    picture = np.asarray(canvas.buffer_rgba(), np.uint8)
+    png = io.BytesIO()
+    drawn.savefig(png, format="png", dpi=100)
     plt.close(drawn)
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGBA2BGR), np.uint8)
+    return np.asarray(cv2.imdecode(np.frombuffer(png.getvalue(), np.uint8), cv2.IMREAD_COLOR), np.uint8)
 
 
 def _column(panels: list[Image]) -> Image:

@@ -69,8 +69,8 @@ def _flow(f: DemoFlight) -> Section:
     return Section("Flow and tracking", f"<p>Between two frames (figure 6): the scene moved by ({true[0]:.2f}, "
             f"{true[1]:.2f}) px; the median of {int(field.valid.sum())} valid windows is ({dx:.2f}, {dy:.2f}).</p>"
             f"{row(flow)}<p>Against the initial image (figure 7), so that errors do not accumulate: {f.tracked[1]} of "
-            f"{f.tracked[0]} measurements of features in view valid, {_rms(f.errors):.3f} px RMS from the truth, at most "
-            f"{float(np.abs(f.errors).max()) if f.errors.size else 0:.2f} px.</p>{row(tracks)}")
+            f"{f.tracked[0]} measurements of features in view valid, {_rms(f.errors):.3f} px RMS from the truth, at "
+            f"most {float(np.abs(f.errors).max()) if f.errors.size else 0:.2f} px.</p>{row(tracks)}")
 
 
 def _mosaic(f: DemoFlight) -> Section:

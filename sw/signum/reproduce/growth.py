@@ -16,8 +16,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from signum.applications.mosaic.edges import LOOP, Link
 from signum.applications.mosaic.graph import chain, solve
-from signum.applications.mosaic.links import LOOP, Link
 from signum.applications.mosaic.simulate import Cell, Flown, Plan, back_and_forth
 from signum.common.arrays import Floats
 from signum.geometry.similarity import IDENTITY

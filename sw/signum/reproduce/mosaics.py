@@ -11,24 +11,29 @@ from matplotlib import pyplot as plt
 from signum.applications.mosaic import simulate
 from signum.applications.mosaic.accuracy import Error, Track, judge
 from signum.applications.mosaic.blend import compose
-from signum.applications.mosaic.column import Column, fly
+from signum.applications.mosaic.column import fly_column
+from signum.applications.mosaic.edges import SEQUENCE
 from signum.applications.mosaic.graph import chain
 from signum.applications.mosaic.ledger import Piece
-from signum.applications.mosaic.links import SEQUENCE
-from signum.applications.mosaic.simulate import Flown, Plan
+from signum.applications.mosaic.settings import SurveySettings
+from signum.applications.mosaic.simulate import Flown, Plan, ground_view, seafloor
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
 from signum.boards.board import BoardBase
 from signum.common.arrays import Image
 from signum.frames.frame import Frame
+from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
 from signum.reproduce.survey import registrar
-from signum.world.scene import Camera, Current, Pose, Vehicle, gravel
+from signum.world.camera import Pinhole
+from signum.world.vehicle import Current, Vehicle
+from signum.world.water import Water
+from signum.world.world import World
 
 IMAGES = 4
 """The paper's figure 15 has four."""
-SIZE, FOCAL = (320, 240), 400.0
+SIZE, FOCAL, HEIGHT_M = (320, 240), 400.0, 2.0
 
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
@@ -38,23 +43,24 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
 
 
 def _column(board: BoardBase, out: Path, seed: int, progress: Progress) -> Section:
-    camera = Camera(gravel(), size=SIZE, focal=FOCAL, seed=seed)
+    camera, chain_only = Pinhole(SIZE, FOCAL), SurveySettings(loops=False)
+    current = Current(steady=(0.05, 0.02), surge=(0.03, 0.015, 0.0), period=8.0)
+    world = World(seafloor(8.0, 0.0, 0.8 * HEIGHT_M / FOCAL, seed), Water(noise=2.0), current=current, seed=seed)
     with progress("single column", None) as tell:
-        with Column(registrar(board, SIZE, 64, 2.5), out / "manual") as manual:
-            taken = [Pose(0.03 * (k % 2), 1.2 - 0.38 * k, heading=0.02 * (-1) ** k) for k in range(IMAGES)]
-            for k, pose in enumerate(taken):
-                manual.add(Frame(str(k), camera.look(pose)))
+        with Survey(registrar(board, SIZE, 64, 2.5), out / "manual", settings=chain_only) as manual:
+            taken = [_sight(0.38 * k - 1.2, 0.03 * (k % 2), 0.02 * (-1) ** k) for k in range(IMAGES)]
+            for k, sight in enumerate(taken):
+                manual.add(Frame(str(k), world.look(camera, sight).frame))
                 tell(f"manual, image {k}")
-        water = Current(steady=(0.05, 0.02), surge=0.03, gusts=0.01, seed=seed)
-        vehicle, errors = Vehicle(Pose(0.0, 1.2), current=water), []
-        before, flown = vehicle.pose, [vehicle.pose]
-        with Column(registrar(board, SIZE, 64, 2.5), out / "automatic") as automatic:
-            for moment in fly(automatic, camera, vehicle, IMAGES):
-                errors.append(moment.error)
-                if moment.stored > len(flown):
-                    flown.append(before)
-                before = vehicle.pose  # from where the next live image is taken
-                tell(f"automatic, {moment.stored} images")
+        vehicle = Vehicle(current=current, position=np.array([-1.2, 0.0, -HEIGHT_M]))
+        errors: list[tuple[float, float]] = []
+        flown: list[Sight] = []
+        with Survey(registrar(board, SIZE, 64, 2.5), out / "automatic", settings=chain_only) as automatic:
+            for live in fly_column(world, vehicle, camera, automatic, IMAGES):
+                errors.append(live.error)
+                if live.stored > len(flown):
+                    flown.append(live.sight)
+                tell(f"automatic, {live.stored} images")
     off = {"manual": _off(camera, manual, taken), "automatic": _off(camera, automatic, flown)}
     pictures = [figure(_read(out / kind / "mosaic.png"), f"{kind}: {IMAGES} images of a column") for kind in off]
     fig, ax = plt.subplots(figsize=(5, 4))
@@ -62,25 +68,29 @@ def _column(board: BoardBase, out: Path, seed: int, progress: Progress) -> Secti
     ax.plot(np.array(errors)[:, 0], label="across it")
     ax.set(xlabel="live image", ylabel="px")
     ax.legend(fontsize=8)
-    text = ("The section at the top centre of the stored image is followed in the live image; at the bottom centre the "
-            "live image is stored and its offset recorded. By hand the pictures are what an operator took, a third of "
-            "a frame to a frame apart; by itself, the vehicle servoes the section's error to zero in a current with "
-            "surge.")
+    text = ("The section at the top centre of the stored image is found in the live image; when it has reached the "
+            "bottom centre, the live image is stored and its offset recorded. In manual mode an operator takes the "
+            "pictures, here a good third of a frame apart; in automatic mode the vehicle servoes the section's error "
+            "to zero in a current with surge.")
     bars = tuple(Bar(f"{kind} column: last image's place against truth, px", value, "<=", 3.0)
                  for kind, value in off.items())
     return Section("Single-column mosaics, manual and automatic (figures 14 and 15)", paragraph(text) + row(
-        [*pictures, plot(fig, "automatic: how far the section is from the bottom centre")]), bars)
+        [*pictures, plot(fig, "automatic: the section's distance from the bottom centre")]), bars)
 
 
-def _off(camera: Camera, column: Column, taken: list[Pose]) -> float:
+def _sight(north: float, east: float, heading: float) -> Sight:
+    return Sight(np.array([north, east, -HEIGHT_M]), rotation(0, 0, heading) @ LOOK_DOWN)
+
+
+def _off(camera: Pinhole, survey: Survey, taken: list[Sight]) -> float:
     """Distance, pixels, of the last image's centre from its true place in the plane of the first; infinite where the
     column broke."""
-    if len(column.pieces) != 1 or len(column.chain) != len(taken):
+    stored = survey.pieces[-1].stored
+    if len(survey.pieces) != 1 or len(stored) != len(taken):
         return float("inf")
-    first = np.vstack([camera.matrix(taken[0]), [0, 0, 1]])
-    last = np.linalg.solve(first, np.vstack([camera.matrix(taken[-1]), [0, 0, 1]]))
-    centre = np.array([(SIZE[0] - 1) / 2, (SIZE[1] - 1) / 2])
-    return float(np.hypot(*(column.chain[-1].place(centre) - (last @ [*centre, 1])[:2])))
+    true = ground_view(camera, taken[0]).inverse @ ground_view(camera, taken[-1])
+    centre = np.array(camera.centre)
+    return float(np.hypot(*(survey.pieces[0].places[stored[-1]](centre) - true(centre))))
 
 
 def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Progress) -> Section:

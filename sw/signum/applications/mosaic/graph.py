@@ -22,7 +22,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
-from signum.applications.mosaic.links import Link
+from signum.applications.mosaic.edges import Link
 from signum.common.arrays import Complexes, Floats
 from signum.geometry.similarity import IDENTITY, Similarity
 

@@ -8,57 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from signum.applications.mosaic.graph import ROBUST, Solution
+from signum.applications.mosaic.edges import LINKS, LIVE, Link
+from signum.applications.mosaic.graph import Solution
 from signum.applications.mosaic.graph import solve as place_all
-from signum.applications.mosaic.links import LINKS, LIVE, Link
-from signum.applications.mosaic.pose import Settings as ColumnSettings
+from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Prepared, Registrar
-
-
-@dataclass(frozen=True)
-class Settings(ColumnSettings):
-    """How a survey is made; see also `signum.applications.mosaic.pose.Settings`.
-
-    Attributes:
-        loops: whether links beside the sequence are looked for.
-        overlap: least predicted overlap at which a link is proposed, share of a frame.
-        apart: least distance of two frames that are both linked to a third, share of the frame's shorter side.
-        proposals: most links proposed for a frame.
-        share: least share of the windows that must agree on a proposed link: where it ought to be is known, so less
-            than for a link of the sequence would be chance or two layers of relief.
-        agreed: least number of them.
-        gate: by how many standard deviations of the prediction a proposed link may miss it.
-        relief: by which share of the frame's longer side more it may miss it: relief moves what is seen.
-        twist_deg: by which rotation it may miss it.
-        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
-        farthest: pixels of the board searched around a prediction; where more would be needed, the whole frame is.
-        joins: frames of other pieces tried for each stored one.
-    """
-
-    loops: bool = True
-    overlap: float = 0.15
-    apart: float = 0.1
-    proposals: int = 8
-    share: float = 0.6
-    agreed: int = 6
-    gate: float = 4.0
-    relief: float = 0.02
-    twist_deg: float = 6.0
-    outvoted: float = ROBUST
-    farthest: int = 64
-    joins: int = 6
-
-    @property
-    def columns(self) -> str:
-        """These settings in a word: single, auto or turned."""
-        return ("auto" if self.outvoted == ROBUST else "turned") if self.loops else "single"
-
-
-CURVED = Settings(relief=0.15, twist_deg=20.0, share=0.5, outvoted=9.0)
-"""For a camera that turns in place: its mosaic is a sphere drawn flat, which closes no loop. What every loop misses is
-spread over all links; with `Settings()` the mosaic would lie flat in parts and be torn between them."""
 
 
 @dataclass
@@ -93,10 +49,10 @@ class Ledger:
     Args:
         registrar: for frames of this size.
         out: folder of `edges.csv` and of the frames that are kept.
-        settings: see `Settings`.
+        settings: see `SurveySettings`.
     """
 
-    def __init__(self, registrar: Registrar, out: Path, settings: Settings) -> None:
+    def __init__(self, registrar: Registrar, out: Path, settings: SurveySettings) -> None:
         self.registrar, self.out, self.settings = registrar, out, settings
         self.centre = float(registrar.centre[0]), float(registrar.centre[1])
         self.size = registrar.fine.source

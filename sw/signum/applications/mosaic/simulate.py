@@ -132,15 +132,16 @@ def fly(plan: Plan, seed: int) -> Flown:
         yaw = np.radians(rng.normal(0, plan.yaw_deg))
         sight = Sight(np.array([north, east, -height]), rotation(roll, pitch, yaw) @ LOOK_DOWN)
         frames[row, column] = world.look(camera, sight).frame
-        truth[row, column] = _seen(camera, sight, plan)
+        truth[row, column] = ground_view(camera, sight)
     return Flown(plan, frames, truth)
 
 
-def _seen(camera: Pinhole, sight: Sight, plan: Plan) -> Similarity:
-    """The similarity nearest to how the camera sees the mean floor about its centre: metres east and south."""
+def ground_view(camera: Pinhole, sight: Sight) -> Similarity:
+    """Pixels about a camera's centre -> metres east and south of the origin on the mean floor: the nearest similarity
+    to what it sees."""
     centre = np.array(camera.centre)
     pixels = centre + np.array([[0.0, 0.0], [20.0, 0.0], [0.0, 20.0], [-20.0, 0.0], [0.0, -20.0]])
-    rays = np.column_stack([(pixels - centre) / plan.focal, np.ones(len(pixels))]) @ sight.rotation.T
+    rays = np.column_stack([(pixels - centre) / camera.focal, np.ones(len(pixels))]) @ sight.rotation.T
     ground = sight.position + rays * (-sight.position[2] / rays[:, 2])[:, None]
     world = ground[:, 1] - 1j * ground[:, 0]
     around = (pixels - centre) @ np.array([1, 1j])

@@ -23,11 +23,12 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
+from signum.applications.mosaic.edges import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
 from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
-from signum.applications.mosaic.ledger import Ledger, Piece, Settings
-from signum.applications.mosaic.links import JOIN, LIVE, LOOP, SEQUENCE, Link, read_links
+from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.pose import Pose
+from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError, Run, write_picture, write_text
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
@@ -47,7 +48,7 @@ class Survey(Ledger):
         registrar: for frames of this size.
         out: folder for `edges.csv`, `poses.csv`, `mosaic.png`; further pieces get `poses-2.csv`, `mosaic-2.png`, ...
         stream: whether little moves between frames (a video), rather than a third of a frame (snapshots).
-        settings: see `Settings`.
+        settings: see `SurveySettings`.
         source: where the frames come from, for the record.
         resume: go on with the survey in the folder.
         every: least seconds between two looks at the growing mosaic; infinite for none.
@@ -56,9 +57,9 @@ class Survey(Ledger):
         ResumeError: if there is nothing in the folder to go on with, or it was made otherwise.
     """
 
-    def __init__(self, registrar: Registrar, out: Path, stream: bool = False, settings: Settings | None = None,
+    def __init__(self, registrar: Registrar, out: Path, stream: bool = False, settings: SurveySettings | None = None,
                  source: str = "", resume: bool = False, every: float = math.inf) -> None:
-        super().__init__(registrar, out, settings or Settings())
+        super().__init__(registrar, out, settings or SurveySettings())
         self.stream = stream
         self._loops = Loops(self)
         self.run = Run(source, self.size, stream, registrar.window, registrar.sigma, self.settings.columns)

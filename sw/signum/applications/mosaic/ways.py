@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from signum.applications.mosaic.edges import SEQUENCE
 from signum.applications.mosaic.graph import chain
 from signum.applications.mosaic.ledger import Piece
-from signum.applications.mosaic.links import SEQUENCE
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.survey import Survey
 from signum.geometry.similarity import Similarity

@@ -9,8 +9,8 @@ import tifffile
 
 from signum.applications.mosaic.accuracy import Track, judge, read_track, rows
 from signum.applications.mosaic.blend import Mosaic
+from signum.applications.mosaic.edges import LINKS, LOOP, Link, read_links
 from signum.applications.mosaic.georeference import by_log, by_range, world_of, write_geotiff, write_world_file
-from signum.applications.mosaic.links import LINKS, LOOP, Link, read_links
 from signum.applications.mosaic.pose import Pose
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity

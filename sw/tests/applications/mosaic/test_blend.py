@@ -53,3 +53,17 @@ def test_a_large_mosaic_is_made_smaller() -> None:
     assert mosaic.picture.size <= 21_000 and 0.3 < mosaic.scale < 0.45
     shown = sketch([f[::2, ::2].copy() for f in frames], places, SIZE)
     assert shown.shape == (168, 224) and (shown > 0).mean() > 0.95
+
+
+def test_blend_places_pictures_and_evens_exposure() -> None:
+    photo = photograph("gravel")
+    left, right = photo[:, :300], np.clip(photo[:, 200:].astype(float) * 0.7, 0, 255).astype(np.uint8)
+    mosaic = compose([left, right], [Similarity(), Similarity.of(shift=(200.0, 0.0))])
+    assert mosaic.picture.shape == (512, 512) and mosaic.origin == (0.0, 0.0) and mosaic.scale == 1
+    inside = mosaic.picture[16:-16, 16:-16].astype(float)
+    truth = photo[16:-16, 16:-16].astype(float)
+    for part in (slice(0, 170), slice(184, 280), slice(310, 480)):
+        assert np.corrcoef(inside[:, part].ravel(), truth[:, part].ravel())[0, 1] > 0.99
+    ratio = inside[:, 310:].mean() / inside[:, :170].mean()
+    wanted = truth[:, 310:].mean() / truth[:, :170].mean()
+    assert ratio / wanted > 0.85, "the darker picture is brought up to the other"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from signum.applications.mosaic.edges import LOOP, Link
 from signum.applications.mosaic.graph import FLOOR_PX, TOGETHER, chain, solve
-from signum.applications.mosaic.links import LOOP, Link
 from signum.geometry.similarity import Similarity
 
 SIZE = 400, 300

@@ -14,9 +14,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from signum.applications.mosaic.accuracy import judge, read_track
-from signum.applications.mosaic.ledger import Settings
-from signum.applications.mosaic.links import JOIN, SEQUENCE
+from signum.applications.mosaic.edges import JOIN, SEQUENCE
 from signum.applications.mosaic.loops import Loops
+from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError
 from signum.applications.mosaic.simulate import Flown, Plan, fly
 from signum.applications.mosaic.survey import Survey
@@ -191,7 +191,7 @@ def test_pieces_are_joined_where_columns_meet(flown: Flown, tmp_path: Path) -> N
     pictures: list[tuple[str, np.ndarray]] = [(str(k), flown.frames[c]) for k, c in enumerate(cells[:3])]
     pictures += [("lost", blind)]
     pictures += [(str(k), flown.frames[c]) for k, c in enumerate(cells[3:], 3)]
-    with Survey(_registrar(PLAN.size), tmp_path, settings=Settings(back=1)) as survey:
+    with Survey(_registrar(PLAN.size), tmp_path, settings=SurveySettings(back=1)) as survey:
         for name, picture in pictures:
             survey.add(Frame(name, picture))
         for _ in survey.finish():

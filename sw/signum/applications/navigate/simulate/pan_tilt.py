@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.applications.mosaic.ledger import CURVED
+from signum.applications.mosaic.settings import CURVED
 from signum.applications.navigate.aim import Aim, TargetFinder
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.conformal import Conformal

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.applications.mosaic.blend import bounds
-from signum.applications.mosaic.ledger import Settings
+from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.survey import Survey
 from signum.applications.navigate.chart import Chart
 from signum.common.arrays import Floats, Image
@@ -68,7 +68,7 @@ class Truth:
 
 
 def build_chart(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path,
-                tell: Callable[[str], None] | None = None, settings: Settings | None = None) -> Chart:
+                tell: Callable[[str], None] | None = None, settings: SurveySettings | None = None) -> Chart:
     """Build the mosaic of a simulated survey in `out`, as `signum mosaic` does, and set the truth's shots.
 
     Raises:
