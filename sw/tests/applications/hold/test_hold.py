@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -13,14 +15,19 @@ from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import Level, Reading
 from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.applications.hold.tuning import PEAK, peaks, tune
+from signum.applications.pid import Gains, Pid
 from signum.boards.golden import GoldenBoard
 from signum.measure.measurer import Measurer
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, Vehicle
+from signum.world.water import Water
 from signum.world.world import World
 
 CAMERA = Pinhole()
+SMALL = Pinhole((256, 192), 300.0)
+"""A camera over the photograph at one of its pixels a pixel, from 2 m."""
+SENSOR = Water(noise=2.0)
 
 
 def measurer(size: tuple[int, int]) -> Measurer:
@@ -49,6 +56,67 @@ def test_signs_and_sizes(world: World, forward: float, right: float, up: float, 
     assert (reading.forward, reading.right) == pytest.approx((forward, right), abs=0.004)
     assert reading.heading == pytest.approx(yaw, abs=0.003)
     assert reading.range_m - meter.range_m == pytest.approx(up, abs=0.008)
+
+
+@pytest.fixture(scope="module")
+def gravel() -> Seafloor:
+    """A flat floor that is one photograph of gravel."""
+    return Seafloor(extent=1024 * 2 / 300, texel=2 / 300, quilted=False)
+
+
+def _at(world: World, north: float, east: float, heading: float = 0.0, altitude: float = 2.0) -> np.ndarray:
+    vehicle = Vehicle(position=np.array([north, east, -altitude]), attitude=np.array([0.0, 0.0, heading]))
+    return world.look(SMALL, DOWN.sight(vehicle)).frame
+
+
+def _anchored(frame: np.ndarray) -> StationMeter:
+    meter = StationMeter(measurer(SMALL.size), SMALL.focal, 2.0, window=48, reach=30)
+    assert meter.anchor(meter.measurer.view(frame)) >= meter.least
+    return meter
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7])
+@pytest.mark.parametrize(("ahead", "right"), [(0.1, 0.0), (0.0, 0.1), (-0.12, 0.07)])
+def test_offsets_are_in_the_stations_axes_at_any_heading(gravel: Seafloor, ahead: float, right: float, heading: float
+                                                         ) -> None:
+    world = World(gravel, SENSOR)
+    c, s = math.cos(heading), math.sin(heading)
+    meter = _anchored(_at(world, -0.2, 0.1, heading))
+    there = _at(world, -0.2 + ahead * c - right * s, 0.1 + ahead * s + right * c, heading)
+    reading = meter.read(meter.measurer.view(there))
+    assert reading.confidence >= 50
+    assert (reading.forward, reading.right) == pytest.approx((ahead, right), abs=0.002)
+
+
+def test_rotation_and_zoom_are_measured_too(gravel: Seafloor) -> None:
+    world = World(gravel, SENSOR)
+    meter = _anchored(_at(world, 0.0, 0.0))
+    reading = meter.read(meter.measurer.view(_at(world, 0.0, 0.0, math.radians(1.5), 1.96)))
+    assert math.degrees(reading.heading) == pytest.approx(1.5, abs=0.3)
+    assert reading.zoom == pytest.approx(2 / 1.96, abs=0.006) and reading.range_m == pytest.approx(1.96, abs=0.012)
+    assert (reading.forward, reading.right) == pytest.approx((0, 0), abs=0.004)
+
+
+def test_nothing_to_see_is_no_confidence_and_sight_comes_back(gravel: Seafloor) -> None:
+    world = World(gravel, SENSOR)
+    meter = _anchored(_at(world, 0.0, 0.0))
+    murk = np.full(SMALL.size[::-1], 70, np.uint8)
+    noise = np.random.default_rng(1).integers(0, 256, SMALL.size[::-1], dtype=np.uint8)
+    assert [meter.read(meter.measurer.view(picture)).confidence for picture in (murk, noise)] == [0, 0]
+    assert meter.read(meter.measurer.view(_at(world, 0.0, 0.05))).confidence > 50
+
+
+def test_it_holds_where_the_free_vehicle_drifts_away(gravel: Seafloor) -> None:
+    """Over the flat floor with an ideal attitude sensor the readings are exact to a millimetre."""
+    moments, free = (list(simulate_hold(measurer, Scenario(seconds, water=SENSOR, level_noise=0.0, seed=5, window=48,
+                                                           control=control), SMALL, gravel))
+                     for control, seconds in ((True, 12.0), (False, 5.0)))
+    assert len(moments) == 120 and all(m.reading.confidence for m in moments)
+    true = np.array([m.truth[:2] for m in moments])
+    measured = np.array([(m.reading.forward, m.reading.right) for m in moments])
+    assert np.sqrt(np.mean((measured - true) ** 2)) < 0.001
+    assert np.sqrt(np.mean(np.sum(true[40:] ** 2, axis=1))) < 0.03
+    assert math.hypot(*free[-1].truth[:2]) > 0.5, "the water does push"
 
 
 def test_it_stays() -> None:
@@ -132,3 +200,13 @@ def test_a_reading_that_the_gyro_does_not_feel_has_no_confidence(world: World) -
         readings = [keeper.step(meter.measurer.view(frame), Sensed(yaw_rate=rate), 0.1)[0]
                     for frame, rate in zip(shots[1:], rates, strict=True)]
         assert [r.valid for r in readings] == [True, believed, believed]
+
+
+def test_controller_limits() -> None:
+    pid = Pid(Gains(proportional=2.0, integral=0.5, rate=0.0, limit=0.4, slew=0.8))
+    outputs = [pid.step(5.0, 0.1) for _ in range(20)]
+    assert outputs[0] == pytest.approx(0.08) and max(outputs) == pytest.approx(0.4)
+    assert pid.hold() == 0.0, "the integral was frozen at the limit"
+    for _ in range(30):
+        pid.step(0.01, 0.1)
+    assert pid.hold() == pytest.approx(0.5 * 0.01 * 3.0)
