@@ -10,11 +10,11 @@ from typing import Annotated
 
 import typer
 
-from signum.applications.mosaic.accuracy import ACCURACY, Track, judge, read_track, rows
-from signum.applications.mosaic.georeference import Georeference, by_log, by_range
+from signum.applications.mosaic.accuracy import ACCURACY, Track, accuracy_rows, pose_errors, read_track
+from signum.applications.mosaic.georeference import Georeference, ground_by_log, ground_by_range
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import CURVED, SurveySettings
-from signum.applications.mosaic.shelf import Run, Shelf
+from signum.applications.mosaic.shelf import Shelf, SurveyRun
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
 from signum.commands.common import (
@@ -109,7 +109,7 @@ def mosaic(
                         survey = Survey(Registrar.on(measurer, fit, window, sigma), output, not frames.snapshots,
                                         settings, frames.label, _resumes(resume, output, frames, frame, window, sigma,
                                                                          settings), every)
-                        survey.ground = ground
+                        survey.results.ground = ground
                     tell(survey.add(frame))
                     done += 1
             assert survey is not None
@@ -128,8 +128,8 @@ def mosaic(
                 write_report(output)
         notes.print(clocks_line(b, done))
     _tell(survey, done, known is not None)
-    if survey.trouble:
-        raise SignumError(survey.trouble)
+    if survey.results.trouble:
+        raise SignumError(survey.results.trouble)
 
 
 def _resumes(asked: bool | None, output: Path, frames: Source, frame: Frame, window: int, sigma: float,
@@ -138,7 +138,7 @@ def _resumes(asked: bool | None, output: Path, frames: Source, frame: Frame, win
     if asked is not None:
         return asked
     before = Shelf(output).described()
-    run = Run(frames.label, frame.size, not frames.snapshots, window, sigma, settings.columns)
+    run = SurveyRun(frames.label, frame.size, not frames.snapshots, window, sigma, settings.columns)
     if before is None or before[1] or before[0] != run:
         return False
     notes.print(f"{output}: going on with the survey interrupted there; --anew starts it again")
@@ -153,7 +153,7 @@ def _ground(range_m: float | None, focal: float | None, calibration: Path | None
         SignumError: for a range without a focal length.
     """
     if log is not None:
-        return lambda poses, _: by_log(poses, log, epsg)
+        return lambda poses, _: ground_by_log(poses, log, epsg)
     if range_m is None:
         return None
     if focal is None:
@@ -164,7 +164,7 @@ def _ground(range_m: float | None, focal: float | None, calibration: Path | None
 
 
 def _scaled(range_m: float, focal: float, poses: list[Pose], centre: tuple[float, float]) -> Georeference:
-    return by_range(range_m, focal, centre)
+    return ground_by_range(range_m, focal, centre)
 
 
 def _judge(survey: Survey, truth: Track) -> None:
@@ -173,9 +173,9 @@ def _judge(survey: Survey, truth: Track) -> None:
     table = Table(survey.out / "accuracy.csv", ACCURACY)
     try:
         for way, place in WAYS.items():
-            poses = place(survey, piece)
+            poses = place(survey.ledger, piece)
             if poses:
-                table_rows = rows(way, judge(poses, truth), truth.unit)
+                table_rows = accuracy_rows(way, pose_errors(poses, truth), truth.unit)
                 for line in table_rows:
                     table.write(line)
                 if way == "all links":
@@ -187,15 +187,15 @@ def _judge(survey: Survey, truth: Track) -> None:
 
 def _tell(survey: Survey, done: int, judged: bool) -> None:
     """The outcome on the terminal."""
-    chained = [link for link in survey.links if link.kind in ("sequence", "live")]
-    others = [link for link in survey.links if link.kind not in ("sequence", "live")]
-    for link in chained:
-        if not link.accepted:
-            out.print(f"refused: {link.frame_a} to {link.frame_b} ({link.reason})")
+    chained = [edge for edge in survey.edges if edge.kind in ("sequence", "live")]
+    others = [edge for edge in survey.edges if edge.kind not in ("sequence", "live")]
+    for edge in chained:
+        if not edge.accepted:
+            out.print(f"refused: {edge.frame_a} to {edge.frame_b} ({edge.reason})")
     if len(survey.pieces) > 1:
         out.print(f"the chain broke: {len(survey.pieces)} pieces, of which mosaic.png and poses.csv are the largest")
-    stored = {link.frame_b for link in chained if link.accepted and link.kind == "sequence"}
-    chained = [link for link in chained if link.kind == "sequence" or link.frame_b not in stored]
+    stored = {edge.frame_b for edge in chained if edge.accepted and edge.kind == "sequence"}
+    chained = [edge for edge in chained if edge.kind == "sequence" or edge.frame_b not in stored]
     out.print(f"{survey.out / 'mosaic.png'}: {done} frames, {sum(k.accepted for k in chained)} of {len(chained)} edges "
               f"accepted" + (f", {sum(k.accepted for k in others)} of {len(others)} across" if others else ""))
     if judged:

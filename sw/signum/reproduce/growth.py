@@ -16,39 +16,39 @@ from itertools import pairwise
 
 import numpy as np
 
-from signum.applications.mosaic.edges import LOOP, Link
-from signum.applications.mosaic.graph import chain, solve
+from signum.applications.mosaic.edges import LOOP, Edge
+from signum.applications.mosaic.graph import chain, solve_graph
 from signum.applications.mosaic.simulate import Cell, Flown, Plan, back_and_forth
 from signum.common.arrays import Floats
 from signum.geometry.similarity import IDENTITY
 from signum.measure.register import Registrar
 
 METHODS = "a", "b", "c"
-REACH = 28
+GRID_REACH = 28
 """Pixels of the board searched around the planned offset: the wobble's few, and some."""
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
-    """The links of a grid, between neighbours along columns and across.
+class MeasuredGrid:
+    """The edges of a grid, between neighbours along columns and across.
 
     Attributes:
-        links: by the cells (a, b), accepted ones.
+        edges: by the cells (a, b), accepted ones.
         refused: number of the others.
-        errors: (n, 2) pixels, of the links' offsets at a's centre against the truth.
+        errors: (n, 2) pixels, of the edges' offsets at a's centre against the truth.
     """
 
-    links: dict[tuple[Cell, Cell], Link]
+    edges: dict[tuple[Cell, Cell], Edge]
     refused: int
     errors: Floats
 
 
-def name(cell: Cell) -> str:
+def cell_name(cell: Cell) -> str:
     """Of the frame in a cell."""
     return f"{cell[0]},{cell[1]}"
 
 
-def neighbours(rows: int, columns: int) -> Iterator[tuple[Cell, Cell]]:
+def neighbour_cells(rows: int, columns: int) -> Iterator[tuple[Cell, Cell]]:
     """Pairs of cells side by side."""
     for r in range(rows):
         for c in range(columns):
@@ -58,25 +58,25 @@ def neighbours(rows: int, columns: int) -> Iterator[tuple[Cell, Cell]]:
                 yield (r, c), (r, c + 1)
 
 
-def measure(flown: Flown, registrar: Registrar, tell: Callable[[str], None] = lambda _: None) -> Measured:
-    """Measure all links of a survey between neighbours."""
+def measure_grid(flown: Flown, registrar: Registrar, tell: Callable[[str], None] = lambda _: None) -> MeasuredGrid:
+    """Measure all edges of a survey between neighbours."""
     plan = flown.plan
     centre = float(registrar.centre[0]), float(registrar.centre[1])
     prepared = {cell: registrar.prepare(frame) for cell, frame in flown.frames.items()}
-    links, errors, refused = {}, [], 0
-    for a, b in neighbours(plan.rows, plan.columns):
-        result = registrar.register(prepared[a], prepared[b], plan.planned(a, b), REACH)
+    edges, errors, refused = {}, [], 0
+    for a, b in neighbour_cells(plan.rows, plan.columns):
+        result = registrar.register(prepared[a], prepared[b], plan.planned(a, b), GRID_REACH)
         if not result.accepted:
             refused += 1
             continue
-        links[a, b] = Link.of(name(a), name(b), LOOP, centre, result)
+        edges[a, b] = Edge.of(cell_name(a), cell_name(b), LOOP, centre, result)
         true = (flown.truth[b].inverse @ flown.truth[a])(registrar.centre)
         errors.append(result.similarity(registrar.centre) - true)
         tell(f"{a} to {b}")
-    return Measured(links, refused, np.array(errors))
+    return MeasuredGrid(edges, refused, np.array(errors))
 
 
-def corner_errors(flown: Flown, measured: Measured, side: int, corner: int) -> dict[str, complex] | None:
+def corner_errors(flown: Flown, measured: MeasuredGrid, side: int, corner: int) -> dict[str, complex] | None:
     """Error of the far corner's place against the first one's, pixels, by method.
 
     Args:
@@ -85,7 +85,7 @@ def corner_errors(flown: Flown, measured: Measured, side: int, corner: int) -> d
         corner: which, 0..3; the way begins there.
 
     Returns:
-        None where a chain needs a link that was refused.
+        None where a chain needs an edge that was refused.
     """
     rows, columns = flown.plan.rows, flown.plan.columns
 
@@ -102,30 +102,31 @@ def corner_errors(flown: Flown, measured: Measured, side: int, corner: int) -> d
     if any(value is None for value in sums.values()):
         return None
     inside = set(way)
-    links = [link for (a, b), link in measured.links.items() if a in inside and b in inside]
-    found = _least_squares(flown.plan, links, way)
+    edges = [edge for (a, b), edge in measured.edges.items() if a in inside and b in inside]
+    found = _least_squares(flown.plan, edges, way)
     return {**{k: v - truth for k, v in sums.items() if v is not None}, "c": found[far] - found[first] - truth}
 
 
-def _offsets(measured: Measured, way: Sequence[tuple[Cell, Cell]]) -> complex | None:
+def _offsets(measured: MeasuredGrid, way: Sequence[tuple[Cell, Cell]]) -> complex | None:
     """Sum of the offsets along a way; b lies where a's centre lands, the other way round."""
     total = 0j
     for a, b in way:
-        if (a, b) in measured.links:
-            total -= complex(*measured.links[a, b].shift)
-        elif (b, a) in measured.links:
-            total += complex(*measured.links[b, a].shift)
+        if (a, b) in measured.edges:
+            total -= complex(*measured.edges[a, b].shift)
+        elif (b, a) in measured.edges:
+            total += complex(*measured.edges[b, a].shift)
         else:
             return None
     return total
 
 
-def _least_squares(plan: Plan, links: Sequence[Link], cells: Sequence[Cell]) -> dict[Cell, complex]:
-    """Centres of the frames, pixels, by all links; heading and height held on average."""
+def _least_squares(plan: Plan, edges: Sequence[Edge], cells: Sequence[Cell]) -> dict[Cell, complex]:
+    """Centres of the frames, pixels, by all edges; heading and height held on average."""
     size = plan.size
-    start = chain(name(cells[0]), links)
-    places = solve(name(cells[0]), links, size, start or {name(cells[0]): IDENTITY}).places
-    factors = np.array([places[name(cell)].factor for cell in cells])
+    start = chain(cell_name(cells[0]), edges)
+    places = solve_graph(cell_name(cells[0]), edges, size, start or {cell_name(cells[0]): IDENTITY}).places
+    factors = np.array([places[cell_name(cell)].factor for cell in cells])
     mean = np.exp(np.mean(np.log(np.abs(factors)))) * np.exp(1j * np.angle(np.mean(factors / np.abs(factors))))
     middle = complex(*((n - 1) / 2 for n in size))
-    return {cell: complex((places[name(cell)].factor * middle + places[name(cell)].shift) / mean) for cell in cells}
+    placed = {cell: places[cell_name(cell)] for cell in cells}
+    return {cell: complex((place.factor * middle + place.shift) / mean) for cell, place in placed.items()}

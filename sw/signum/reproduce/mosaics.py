@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 from signum.applications.mosaic import simulate
-from signum.applications.mosaic.accuracy import Error, Track, judge
+from signum.applications.mosaic.accuracy import PoseErrors, Track, pose_errors
 from signum.applications.mosaic.blend import compose
 from signum.applications.mosaic.column import fly_column
 from signum.applications.mosaic.edges import SEQUENCE
@@ -96,7 +96,7 @@ def _off(camera: Pinhole, survey: Survey, taken: list[Sight]) -> float:
 def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Progress) -> Section:
     side = 3 if quick else 6
     plan = Plan(rows=side, columns=side, step=(0.6, 0.6), yaw_deg=2.0)
-    flown = simulate.fly(plan, seed)
+    flown = simulate.simulate_survey(plan, seed)
     with progress("columns back and forth", side * side) as tell, \
             Survey(registrar(board, plan.size, 48, 2.0), out / "columns") as survey:
         for cell in flown.sequence():
@@ -105,14 +105,15 @@ def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Prog
             pass
     piece = survey.ranked()[0]
     truth = Track({f"{r}-{c}": flown.position((r, c)) for r, c in flown.truth}, {}, "px")
-    errors = {way: judge(place(survey, piece), truth) for way, place in WAYS.items()}
+    errors = {way: pose_errors(place(survey.ledger, piece), truth) for way, place in WAYS.items()}
     heads = ("placed by", "absolute error, RMS px", "most, px", "frame to frame, RMS px")
     lines = [[way, *(f"{v:.2f}" for v in (_rms(e.ape), e.ape.max(), _rms(e.rpe)))] for way, e in errors.items()]
     worst = {way: _rms(e.ape) for way, e in errors.items()}
     text = (f"{side}x{side} frames over relief of {100 * plan.relief:.0f} cm, heading held to {plan.yaw_deg:g} "
-            f"degrees, flown back and forth; {len(survey.accepted)} links accepted of {len(survey.links)} measured. "
+            f"degrees, flown back and forth; {len(survey.ledger.accepted)} edges accepted of {len(survey.edges)} "
+            "measured. "
             "Columns are not told. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
-            "few links as there are (figure 17) keeps them together; least squares over all of them comes last. Errors "
+            "few edges as there are (figure 17) keeps them together; least squares over all of them comes last. Errors "
             "are those of the frames' centres after the best similarity.")
     bars = (Bar("frames in one piece, share", len(piece.stored) / len(flown.frames), ">=", 1.0),
             Bar("all links, absolute error, RMS px", worst["all links"], "<=", 3.0),
@@ -125,17 +126,17 @@ def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Prog
 
 def _by_sequence(survey: Survey, piece: Piece) -> Image:
     """The mosaic as the sequence alone would have it."""
-    links = [link for link in survey.links_of(piece) if link.kind == SEQUENCE]
-    places = chain(piece.stored[0], links)
-    return compose(survey.shelf.pictures(list(places)), list(places.values())).picture
+    edges = [edge for edge in survey.ledger.edges_of(piece) if edge.kind == SEQUENCE]
+    places = chain(piece.stored[0], edges)
+    return compose(survey.ledger.shelf.pictures(list(places)), list(places.values())).picture
 
 
-def _ways(flown: Flown, errors: dict[str, Error], survey: Survey, piece: Piece) -> str:
+def _ways(flown: Flown, errors: dict[str, PoseErrors], survey: Survey, piece: Piece) -> str:
     fig, axes = plt.subplots(1, len(WAYS), figsize=(12, 4))
     at = {f"{r}-{c}": flown.position((r, c)) for r, c in flown.truth}
     for ax, (way, place) in zip(axes, WAYS.items(), strict=True):
         onto = errors[way].onto
-        placed = [onto.factor * complex(p.x_px, p.y_px) + onto.shift for p in place(survey, piece)]
+        placed = [onto.factor * complex(p.x_px, p.y_px) + onto.shift for p in place(survey.ledger, piece)]
         true = [at[name] for name in piece.stored]
         ax.plot([z.real for z in true], [z.imag for z in true], "-", color="0.8", lw=3)
         ax.plot([z.real for z in placed], [z.imag for z in placed], ".-", color="tab:red", lw=0.8)

@@ -33,7 +33,7 @@ REACH = 40
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class Projection:
     """What came of one projection.
 
     Attributes:
@@ -62,7 +62,8 @@ class View:
         return float(np.sqrt(np.mean(self.error_px**2))) if len(self.error_px) else float("nan")
 
 
-def compare(registrar: Registrar, seed: int, pairs: int, tell: Callable[[str], None] = lambda _: None) -> list[View]:
+def compare_projections(registrar: Registrar, seed: int, pairs: int,
+                        tell: Callable[[str], None] = lambda _: None) -> list[Projection]:
     """Register pairs of frames through each projection, the last with parallel rays."""
     floor = seafloor(10.0, RELIEF, 0.8 * FOOTPRINT / SIZE[0], seed, FEATURE)
     rng = np.random.default_rng([seed, 8])
@@ -87,7 +88,7 @@ def compare(registrar: Registrar, seed: int, pairs: int, tell: Callable[[str], N
         good = [r for r in results if r.accepted]
         label = "parallel rays" if height is None else f"from {height:g} m"
         angle = 0.0 if height is None else float(np.degrees(2 * np.arctan(FOOTPRINT / 2 / height)))
-        out.append(View(label, angle, len(good) / len(results),
+        out.append(Projection(label, angle, len(good) / len(results),
                         float(np.mean([r.agreed / max(r.tried, 1) for r in results])),
                         float(np.mean([r.rms_px for r in results])),
                         np.array([np.hypot(r.shift[0], r.shift[1] - ahead) for r in good]), taken[0],

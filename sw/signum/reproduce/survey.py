@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.applications.mosaic.accuracy import judge, read_track
-from signum.applications.mosaic.simulate import Plan, fly
+from signum.applications.mosaic.accuracy import pose_errors, read_track
+from signum.applications.mosaic.simulate import Plan, simulate_survey
 from signum.applications.mosaic.survey import Survey
 from signum.boards.board import BoardBase
 from signum.common.arrays import Floats, Image
@@ -19,8 +19,8 @@ from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 from signum.reproduce import OpenBoard, Progress
-from signum.reproduce.growth import METHODS, corner_errors, measure
-from signum.reproduce.projection import HEIGHTS, SIZE, View, compare
+from signum.reproduce.growth import METHODS, corner_errors, measure_grid
+from signum.reproduce.projection import HEIGHTS, SIZE, Projection, compare_projections
 from signum.reproduce.reference import SHARED, read_pairs, residuals
 from signum.sources.open import open_source
 
@@ -28,7 +28,7 @@ SEEDS, SIDES = 20, range(3, 11)
 WINDOW, SIGMA = 48, 2.0
 PAIRS = 16
 CORNERS = 4
-NAMES = {"a": "(a) sequential chain", "b": "(b) adjacent columns", "c": "(c) least squares over all links"}
+METHOD_NAMES = {"a": "(a) sequential chain", "b": "(b) adjacent columns", "c": "(c) least squares over all edges"}
 RUNS = "skerki", "imos/test1", "imos/test5"
 
 
@@ -52,12 +52,12 @@ def _growth(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Sec
     seeds = 2 if quick else SEEDS
     plan = Plan(rows=max(sides), columns=max(sides))
     squares: dict[str, Floats] = {k: np.full((seeds, len(sides)), np.nan) for k in METHODS}
-    spread, refused, measured_links = [], 0, 0
+    spread, refused, measured_edges = [], 0, 0
     with progress("error growth", seeds) as tell:
         for k in range(seeds):
-            flown = fly(plan, 1000 * seed + k)
-            measured = measure(flown, registrar(board, plan.size, WINDOW, SIGMA))
-            refused, measured_links = refused + measured.refused, measured_links + len(measured.links)
+            flown = simulate_survey(plan, 1000 * seed + k)
+            measured = measure_grid(flown, registrar(board, plan.size, WINDOW, SIGMA))
+            refused, measured_edges = refused + measured.refused, measured_edges + len(measured.edges)
             spread.append(measured.errors)
             for j, side in enumerate(sides):
                 found = [e for corner in range(CORNERS)
@@ -67,29 +67,29 @@ def _growth(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Sec
             tell(f"seed {k}")
     variance = {m: np.nanmean(squares[m], axis=0) for m in METHODS}
     m = np.array(sides, float)
-    links = {"a": np.where(m % 2 == 0, m * (m - 1), m * m - 1), "b": 2 * (m - 1), "c": np.full(len(m), np.nan)}
+    edges = {"a": np.where(m % 2 == 0, m * (m - 1), m * m - 1), "b": 2 * (m - 1), "c": np.full(len(m), np.nan)}
     slope = {k: _slope(m, variance[k]) for k in METHODS}
-    lines = [[NAMES[k], *(f"{np.sqrt(v):.2f}" for v in variance[k]), f"{slope[k]:.2f}",
-              "" if k == "c" else f"{_slope(links[k], variance[k]):.2f}"] for k in METHODS]
+    lines = [[METHOD_NAMES[k], *(f"{np.sqrt(v):.2f}" for v in variance[k]), f"{slope[k]:.2f}",
+              "" if k == "c" else f"{_slope(edges[k], variance[k]):.2f}"] for k in METHODS]
     errors = np.vstack(spread)
     text = (
         f"{seeds} simulated surveys of {plan.rows}x{plan.columns} frames, rendered and registered through the board "
-        f"({measured_links} links between neighbours, {refused} refused); no error model is put in. Every link is off "
+        f"({measured_edges} edges between neighbours, {refused} refused); no error model is put in. Every edge is off "
         f"by {errors[:, 0].std():.2f}, {errors[:, 1].std():.2f} px (standard deviations of x, y; means "
         f"{errors[:, 0].mean():.2f}, {errors[:, 1].mean():.2f}). The vehicle's heading wobbles by {plan.yaw_deg:g} "
         f"degree and its height by {plan.zoom:.0%}, which chains of offsets do not know. An m x m survey is the m x m "
         f"frames in a corner of the {plan.rows}x{plan.columns} ones, four to a seed, so the points of a curve share "
-        "links. The paper has the variance grow with the number of links between the corners: m(m-1) to m^2-1 for "
+        "edges. The paper has the variance grow with the number of edges between the corners: m(m-1) to m^2-1 for "
         "(a), 2(m-1) for (b).")
     bars = [Bar("(c) over (b), RMS at the far corner, worst m", float(np.max(np.sqrt(variance["c"] / variance["b"]))),
                 "<=", 1.0)]
     if not quick:
-        bars += [Bar(f"{NAMES[k]}: exponent of the variance in the number of links, off the paper's 1",
-                     abs(_slope(links[k], variance[k]) - 1), "<=", 0.25) for k in ("a", "b")]
+        bars += [Bar(f"{METHOD_NAMES[k]}: exponent of the variance in the number of edges, off the paper's 1",
+                     abs(_slope(edges[k], variance[k]) - 1), "<=", 0.25) for k in ("a", "b")]
         bars += [Bar("(b) over (a), RMS at the far corner, m = 10",
                      float(np.sqrt(variance["b"][-1] / variance["a"][-1])), "<=", 1.0)]
     body = paragraph(text) + row([_curves(m, variance, slope)]) + table(
-        ("RMS error at the far corner, px", *(f"m = {s}" for s in sides), "variance ~ m^", "~ links^"), lines)
+        ("RMS error at the far corner, px", *(f"m = {s}" for s in sides), "variance ~ m^", "~ edges^"), lines)
     return Section("Error growth over columns (figures 16 and 17)", body, tuple(bars))
 
 
@@ -102,7 +102,7 @@ def _curves(m: Floats, variance: dict[str, Floats], slope: dict[str, float]) -> 
     for method, colour in zip(METHODS, ("tab:red", "tab:blue", "tab:green"), strict=True):
         ax.loglog(m, variance[method], "o", color=colour)
         fit = np.exp(np.polyval(np.polyfit(np.log(m), np.log(variance[method]), 1), np.log(m)))
-        ax.loglog(m, fit, "-", color=colour, label=f"{NAMES[method]}: m^{slope[method]:.2f}")
+        ax.loglog(m, fit, "-", color=colour, label=f"{METHOD_NAMES[method]}: m^{slope[method]:.2f}")
     ax.set(xlabel="m", ylabel="variance at the far corner, px^2")
     ax.set_xticks(m, [f"{v:.0f}" for v in m])
     ax.minorticks_off()
@@ -113,7 +113,7 @@ def _curves(m: Floats, variance: dict[str, Floats], slope: dict[str, float]) -> 
 def _projection(board: BoardBase, seed: int, quick: bool, progress: Progress) -> Section:
     pairs = 4 if quick else PAIRS
     with progress("projections", len(HEIGHTS) + 1) as tell:
-        views = compare(registrar(board, SIZE, WINDOW, SIGMA), seed, pairs, tell)
+        views = compare_projections(registrar(board, SIZE, WINDOW, SIGMA), seed, pairs, tell)
     lines = [[v.label, f"{v.angle_deg:.0f}", f"{v.accepted:.0%}", f"{v.agreed:.0%}", f"{v.spread_px:.2f}",
               f"{v.rms_px:.2f}"] for v in views]
     text = ("The same floor with the same pixels on it, seen from different heights through lenses to match, and "
@@ -131,7 +131,7 @@ def _projection(board: BoardBase, seed: int, quick: bool, progress: Progress) ->
                             "windows off the similarity, RMS px", "offset error, RMS px"), lines), bars)
 
 
-def _overlay(view: View) -> Image:
+def _overlay(view: Projection) -> Image:
     """The second frame cyan, the first red, brought onto it."""
     first, second = view.pair
     moved = np.asarray(cv2.warpAffine(first, view.found.matrix, first.shape[::-1]), np.uint8)
@@ -152,11 +152,11 @@ def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[
         piece = survey.ranked()[0]
         pairs = read_pairs(SHARED / run / "sift_pairs.csv")
         if len(piece.stored) == source.count:
-            off = residuals(piece.places, pairs, survey.size)
+            off = residuals(piece.places, pairs, survey.ledger.size)
         else:
             off = np.array([np.inf])
-        links = survey.accepted
-        line = [run, f"{len(piece.stored)} of {source.count}", str(len(links)), f"{off.mean():.2f}",
+        edges = survey.ledger.accepted
+        line = [run, f"{len(piece.stored)} of {source.count}", str(len(edges)), f"{off.mean():.2f}",
                 f"{np.median(off):.2f}"]
         if run == "skerki":
             bars += [Bar("skerki: residual against the SIFT pairs, mean px", float(off.mean()), "<=", 6.0),
@@ -164,7 +164,7 @@ def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[
             line.append("")
         else:
             truth = read_track(SHARED / "imos" / "georef.csv", source.label)
-            error = judge(survey.poses(piece), truth)
+            error = pose_errors(survey.poses(piece), truth)
             rms = 100 * float(np.sqrt(np.mean(error.ape**2))) if len(error.ape) == source.count else float("inf")
             bars.append(Bar(f"{run}: frame centres against georef.csv, RMS cm", rms, "<=", 6.0))
             line.append(f"{rms:.1f}")
@@ -173,7 +173,7 @@ def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[
         less = min(1.0, 900 / max(picture.shape[:2]))
         shown.append(figure(np.asarray(cv2.resize(picture, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
                                        np.uint8), run))
-    heads = ("survey", "frames in one piece", "links", "SIFT residual: mean, px", "median, px", "georef RMS, cm")
+    heads = ("survey", "frames in one piece", "edges", "SIFT residual: mean, px", "median, px", "georef RMS, cm")
     text = ("Columns are not told: the frames are taken in their order, all neighbours linked, all placed by least "
             "squares. Residuals are means over the quarter points of each pair's frame.")
     return [Section("Real surveys", paragraph(text) + row(shown) + table(heads, lines), tuple(bars))]

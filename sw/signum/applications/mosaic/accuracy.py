@@ -21,11 +21,11 @@ from signum.geometry.similarity import Similarity
 
 ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
 """Of `accuracy.csv`: statistics over frames (APE) or consecutive frames (RPE)."""
-NAMES = "frame", "name", "image", "file", "filename"
-EAST = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
-NORTH = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
-PIXELS = ("x_px", "y_px")
-HEADING = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
+FRAME_COLUMNS = "frame", "name", "image", "file", "filename"
+EAST_COLUMNS = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
+NORTH_COLUMNS = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
+PIXEL_COLUMNS = ("x_px", "y_px")
+HEADING_COLUMNS = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +46,10 @@ class Track:
 def read_track(path: Path, source: str = "") -> Track:
     """Read positions of frames: a truth or a navigation log.
 
-    The columns are found by name, upper or lower case: one of NAMES; one of EAST and one of NORTH, metres, or PIXELS;
-    one of HEADING if there is any. A name may be a file's, with folder and ending. Where frames are listed twice and a
-    column `path` tells runs apart, the rows whose path names the source's folder count.
+    Columns are found by name in any case: one of FRAME_COLUMNS; one of EAST_COLUMNS and one of NORTH_COLUMNS in metres,
+    or PIXEL_COLUMNS; one of HEADING_COLUMNS if there is any. The name of a frame may be a file name with folder and
+    ending. If frames are listed twice and there is a column `path`, only rows whose path names the source's folder are
+    used.
 
     Args:
         path: CSV.
@@ -66,11 +67,11 @@ def read_track(path: Path, source: str = "") -> Track:
     if not rows:
         raise SignumError(f"{path}: no rows in it; give a CSV table with a row per frame")
     heads = set(rows[0])
-    name = _column(path, heads, NAMES, "the frame's name")
-    pixels = heads.issuperset(PIXELS)
-    east = "x_px" if pixels else _column(path, heads, EAST, "metres to the east")
-    north = "y_px" if pixels else _column(path, heads, NORTH, "metres to the north")
-    heading = next((h for h in HEADING if h in heads), None)
+    name = _column(path, heads, FRAME_COLUMNS, "the frame's name")
+    pixels = heads.issuperset(PIXEL_COLUMNS)
+    east = "x_px" if pixels else _column(path, heads, EAST_COLUMNS, "metres to the east")
+    north = "y_px" if pixels else _column(path, heads, NORTH_COLUMNS, "metres to the north")
+    heading = next((h for h in HEADING_COLUMNS if h in heads), None)
     names = [Path(row[name]).stem if Path(row[name]).suffix else row[name] for row in rows]
     if len(set(names)) < len(names) and "path" in heads:
         run = Path(source).name
@@ -109,7 +110,7 @@ def align(z: Complexes, w: Complexes, scaled: bool = True) -> Similarity:
 
 
 @dataclass(frozen=True, eq=False)
-class Error:
+class PoseErrors:
     """Errors against the truth.
 
     Attributes:
@@ -127,7 +128,7 @@ class Error:
     turn: Floats
 
 
-def judge(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> Error:
+def pose_errors(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> PoseErrors:
     """Compare poses with the truth.
 
     Args:
@@ -150,11 +151,11 @@ def judge(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> Error:
     turns = [(b.rot_deg - a.rot_deg) - (truth.headings[b.frame] - truth.headings[a.frame])
              for a, b in pairwise(known)
              if a.frame in truth.headings and b.frame in truth.headings]
-    return Error([p.frame for p in known], onto, np.abs(placed - w), np.abs(np.diff(placed) - np.diff(w)),
+    return PoseErrors([p.frame for p in known], onto, np.abs(placed - w), np.abs(np.diff(placed) - np.diff(w)),
                  np.abs((np.array(turns) + 180) % 360 - 180))
 
 
-def rows(method: str, error: Error, unit: str, aligned: str = "similarity") -> list[list[object]]:
+def accuracy_rows(method: str, error: PoseErrors, unit: str, aligned: str = "similarity") -> list[list[object]]:
     """Rows of `accuracy.csv`."""
     out: list[list[object]] = []
     for name, values, of in ((f"APE after {aligned}", error.ape, unit), ("RPE, frame to frame", error.rpe, unit),

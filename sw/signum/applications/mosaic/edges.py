@@ -1,4 +1,4 @@
-"""A measured link between two frames, and its row in `edges.csv`, from which it can be read back."""
+"""A measured edge between two frames, and its row in `edges.csv`, from which it can be read back."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from signum.geometry.similarity import Similarity
 from signum.measure.register import Registration
 from signum.tables.schemas import EDGES
 
-LINKS = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed", "tried",
-         "reason")
-"""Of a survey's `edges.csv`: the columns of every mosaic's, then how the link came about, turn and zoom from a to b,
+SURVEY_EDGES = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed",
+                "tried", "reason")
+"""Of a survey's `edges.csv`: the columns of every mosaic's, then how the edge came about, turn and zoom from a to b,
 centroid (in a), spread and residual of the windows that agree, original pixels, their number, how many were tried."""
 
 SEQUENCE = "sequence"
@@ -29,8 +29,8 @@ JOIN = "join"
 
 
 @dataclass(frozen=True)
-class Link:
-    """Where frame b sees what frame a sees; of refused links the figures are what was refused, not to be used.
+class Edge:
+    """Where frame b sees what frame a sees; of refused edges the figures are what was refused, not to be used.
 
     Attributes:
         similarity: original pixels of a -> of b.
@@ -55,7 +55,7 @@ class Link:
     reason: str = ""
 
     @classmethod
-    def of(cls, a: str, b: str, kind: str, centre: tuple[float, float], r: Registration, reason: str = "") -> Link:
+    def of(cls, a: str, b: str, kind: str, centre: tuple[float, float], r: Registration, reason: str = "") -> Edge:
         """From a registration of frame `a` in frame `b`; a `reason` refuses what the registrar accepted."""
         return cls(a, b, kind, r.similarity, centre, r.score, r.margin, r.accepted and not reason, r.middle,
                    r.spread_px if r.turning else 0.0, r.rms_px, r.agreed, r.tried, reason or r.reason)
@@ -76,7 +76,7 @@ class Link:
                 self.reason]
 
     @classmethod
-    def read(cls, row: dict[str, str], centre: tuple[float, float]) -> Link:
+    def read(cls, row: dict[str, str], centre: tuple[float, float]) -> Edge:
         """From a row of the table.
 
         Raises:
@@ -91,7 +91,7 @@ class Link:
                    float(row["rms_px"]), int(row["agreed"]), int(row["tried"]), row["reason"])
 
 
-def read_links(path: Path, centre: tuple[float, float]) -> list[Link]:
+def read_edges(path: Path, centre: tuple[float, float]) -> list[Edge]:
     """The rows of a survey's `edges.csv`; a last row cut short by a crash is left out.
 
     Raises:
@@ -101,9 +101,9 @@ def read_links(path: Path, centre: tuple[float, float]) -> list[Link]:
         text = file.read()
     whole = text[: text.rfind("\n") + 1]
     rows = csv.DictReader(whole.splitlines())
-    if tuple(rows.fieldnames or ()) != LINKS:
+    if tuple(rows.fieldnames or ()) != SURVEY_EDGES:
         raise SignumError(f"{path}: not the edges of a survey; start anew without --resume")
     try:
-        return [Link.read(row, centre) for row in rows]
+        return [Edge.read(row, centre) for row in rows]
     except (KeyError, ValueError, TypeError) as error:
         raise SignumError(f"{path}: a row cannot be read; start anew without --resume") from error

@@ -57,7 +57,7 @@ class Georeference:
         return self.onto.scale
 
 
-def by_range(range_m: float, focal_px: float, centre: tuple[float, float]) -> Georeference:
+def ground_by_range(range_m: float, focal_px: float, centre: tuple[float, float]) -> Georeference:
     """Scale from the camera's range and focal length; metres east and north of the first frame's centre, its up being
     north.
 
@@ -70,7 +70,7 @@ def by_range(range_m: float, focal_px: float, centre: tuple[float, float]) -> Ge
     return Georeference(Similarity(complex(metres), -metres * complex(*centre)), "local, metres from the first frame")
 
 
-def by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
+def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
     """Scale, turn and place from a navigation log, fixes that are far off left out.
 
     Raises:

@@ -1,6 +1,6 @@
-"""Pose graph: every frame's similarity by robust least squares over all links at once.
+"""Pose graph: every frame's similarity by robust least squares over all edges at once.
 
-A frame's pose takes its pixels p to the mosaic plane: f p + t, in complex numbers. A link says where b sees what a
+A frame's pose takes its pixels p to the mosaic plane: f p + t, in complex numbers. An edge says where b sees what a
 sees, S: with c the centroid of the windows it rests on and s their spread, it asks for two complex numbers to be zero,
 
     (f_a c + t_a - t_b) / f_b - S(c)        the centroid lands where it was seen,
@@ -8,8 +8,8 @@ sees, S: with c the centroid of the windows it rests on and s their spread, it a
 
 which together are, to first order, the sum over its windows. Both are analytic in the poses, so Gauss-Newton runs on
 complex sparse matrices with half the unknowns. They are measured in pixels of frame b, not of the plane: in the plane
-the fit would gain by shrinking what it cannot make agree. Links that the others outvote lose their weight
-(Geman-McClure, in units of the misfit all links have).
+the fit would gain by shrinking what it cannot make agree. Edges that the others outvote lose their weight
+(Geman-McClure, in units of the misfit all edges have).
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
-from signum.applications.mosaic.edges import Link
+from signum.applications.mosaic.edges import Edge
 from signum.common.arrays import Complexes, Floats
 from signum.geometry.similarity import IDENTITY, Similarity
 
 FLOOR_PX = 1.0
-"""Error of a window beside what its link's residual shows, original pixels: half a pixel of the board and a bit."""
+"""Error of a window beside what its edge's residual shows, original pixels: half a pixel of the board and a bit."""
 TOGETHER = 4.0
 """Windows overlap by half each way, and relief moves neighbours alike: so many of them count as one."""
 LEAST_SPREAD = 0.05
-"""Spread given to links that did not measure rotation, as a fraction of the frame: enough to hold an angle."""
+"""Spread given to edges that did not measure rotation, as a fraction of the frame: enough to hold an angle."""
 ROBUST = 3.0
-"""Default of `solve`'s `outvoted`."""
-TURNS = 40
+"""Default of `solve_graph`'s `outvoted`."""
+MOST_STEPS = 40
 CONVERGED = 1e-3
 
 
@@ -44,9 +44,9 @@ class Solution:
 
     Attributes:
         places: pixels of each frame -> plane of the first; only of frames that hang together with it.
-        weights: of the links given, in order, 0..1: how far the others bear each out.
+        weights: of the edges given, in order, 0..1: how far the others bear each out.
         misfit_px: of the same, pixels of frame b.
-        usual: misfit of the links in units of what they claim; 1 where nothing can be told, else at least that.
+        usual: misfit of the edges in units of what they claim; 1 where nothing can be told, else at least that.
     """
 
     places: dict[str, Similarity]
@@ -75,24 +75,24 @@ class Solution:
         return float(self.usual * np.sqrt(max(float((row[2:] @ solved).real), 0.0)))
 
 
-def precision(link: Link) -> float:
-    """1 / variance of what a link says of its centroid, each axis, 1/pixels^2."""
-    return max(link.agreed, 1) / TOGETHER / (link.rms_px**2 / 2 + FLOOR_PX**2)
+def precision(edge: Edge) -> float:
+    """1 / variance of what an edge says of its centroid, each axis, 1/pixels^2."""
+    return max(edge.agreed, 1) / TOGETHER / (edge.rms_px**2 / 2 + FLOOR_PX**2)
 
 
-def chain(first: str, links: Sequence[Link], order: Mapping[int, float] | None = None) -> dict[str, Similarity]:
-    """Frames placed one after the other along links, breadth first from the first frame: a spanning tree.
+def chain(first: str, edges: Sequence[Edge], order: Mapping[int, float] | None = None) -> dict[str, Similarity]:
+    """Frames placed one after the other along edges, breadth first from the first frame: a spanning tree.
 
     Args:
         first: its pose is the identity.
-        links: accepted ones; of those that lead to a frame at the same depth, the first in `order` places it.
-        order: rank of each link by its index; by default the most precise first.
+        edges: accepted ones; of those that lead to a frame at the same depth, the first in `order` places it.
+        order: rank of each edge by its index; by default the most precise first.
     """
-    rank = order or {k: -precision(link) for k, link in enumerate(links)}
+    rank = order or {k: -precision(edge) for k, edge in enumerate(edges)}
     beside: dict[str, list[tuple[float, str, Similarity]]] = {}
-    for k, link in enumerate(links):
-        beside.setdefault(link.frame_a, []).append((rank[k], link.frame_b, link.similarity.inverse))
-        beside.setdefault(link.frame_b, []).append((rank[k], link.frame_a, link.similarity))
+    for k, edge in enumerate(edges):
+        beside.setdefault(edge.frame_a, []).append((rank[k], edge.frame_b, edge.similarity.inverse))
+        beside.setdefault(edge.frame_b, []).append((rank[k], edge.frame_a, edge.similarity))
     places, queue = {first: IDENTITY}, deque([first])
     while queue:
         name = queue.popleft()
@@ -103,31 +103,31 @@ def chain(first: str, links: Sequence[Link], order: Mapping[int, float] | None =
     return places
 
 
-def solve(first: str, links: Sequence[Link], size: tuple[int, int],
+def solve_graph(first: str, edges: Sequence[Edge], size: tuple[int, int],
           start: Mapping[str, Similarity] | None = None, outvoted: float = ROBUST) -> Solution:
     """Place all frames that hang together with the first.
 
     Args:
         first: the frame whose pose is the identity.
-        links: accepted ones.
+        edges: accepted ones.
         size: width and height of the frames, pixels.
-        start: poses to begin with, where they are known; others follow from links.
-        outvoted: misfit at which a link has a quarter of its weight, in units of the usual misfit.
+        start: poses to begin with, where they are known; others follow from edges.
+        outvoted: misfit at which an edge has a quarter of its weight, in units of the usual misfit.
     """
-    tree = chain(first, links)
+    tree = chain(first, edges)
     if start and first in start:
         origin = start[first].inverse
         tree = {name: origin @ start[name] if name in start else place for name, place in tree.items()}
-    held = [k for k, link in enumerate(links) if link.frame_a in tree]
+    held = [k for k, edge in enumerate(edges) if edge.frame_a in tree]
     names = {name: i for i, name in enumerate(tree)}
-    weights, misfits = np.ones(len(links)), np.zeros(len(links))
+    weights, misfits = np.ones(len(edges)), np.zeros(len(edges))
     if len(names) < 2:
         return Solution(dict(tree), weights, misfits, 1.0, names)
-    system = _System([links[k] for k in held], names, size)
+    system = _System([edges[k] for k in held], names, size)
     poses = np.array([v for place in tree.values() for v in (place.factor, place.shift)])
     robust, usual = np.ones(len(held)), 1.0
     factor: SuperLU | None = None
-    for turn in range(TURNS):
+    for turn in range(MOST_STEPS):
         residual, matrix = system.linear(poses)
         claimed = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) * system.precision / 4)
         usual = max(1.0, float(np.median(claimed)) / 0.92) if system.redundant else 1.0
@@ -148,23 +148,23 @@ def solve(first: str, links: Sequence[Link], size: tuple[int, int],
 
 
 class _System:
-    """The links as arrays; residuals and their derivatives at given poses."""
+    """The edges as arrays; residuals and their derivatives at given poses."""
 
-    def __init__(self, links: Sequence[Link], names: Mapping[str, int], size: tuple[int, int]) -> None:
-        self.a = np.array([names[link.frame_a] for link in links])
-        self.b = np.array([names[link.frame_b] for link in links])
-        self.middle = np.array([complex(*link.middle) for link in links])
+    def __init__(self, edges: Sequence[Edge], names: Mapping[str, int], size: tuple[int, int]) -> None:
+        self.a = np.array([names[edge.frame_a] for edge in edges])
+        self.b = np.array([names[edge.frame_b] for edge in edges])
+        self.middle = np.array([complex(*edge.middle) for edge in edges])
         least = LEAST_SPREAD * max(size)
-        self.spread = np.array([max(link.spread_px, least) for link in links])
-        self.factor = np.array([link.similarity.factor for link in links])
-        self.seen = np.array([link.similarity.factor * complex(*link.middle) + link.similarity.shift
-                              for link in links])
-        self.precision = np.array([precision(link) for link in links])
+        self.spread = np.array([max(edge.spread_px, least) for edge in edges])
+        self.factor = np.array([edge.similarity.factor for edge in edges])
+        self.seen = np.array([edge.similarity.factor * complex(*edge.middle) + edge.similarity.shift
+                              for edge in edges])
+        self.precision = np.array([precision(edge) for edge in edges])
         self.unknowns = 2 * len(names)
-        self.redundant = len(links) > len(names) - 1
+        self.redundant = len(edges) > len(names) - 1
 
     def linear(self, poses: Complexes) -> tuple[Complexes, csc_matrix]:
-        """Residuals (2 a link), pixels, and their derivatives by all poses but the first."""
+        """Residuals (2 an edge), pixels, and their derivatives by all poses but the first."""
         fa, ta, fb, tb = poses[2 * self.a], poses[2 * self.a + 1], poses[2 * self.b], poses[2 * self.b + 1]
         there = (fa * self.middle + ta - tb) / fb
         residual = np.stack([there - self.seen, self.spread * (fa / fb - self.factor)], axis=1).ravel()

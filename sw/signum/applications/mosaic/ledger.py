@@ -1,4 +1,4 @@
-"""What a survey knows: its pieces, the links that hold them together, where these put every frame."""
+"""The state of a survey: its pieces, the edges that hold them together, and where these place every frame."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from signum.applications.mosaic.edges import LINKS, LIVE, Link
-from signum.applications.mosaic.graph import Solution
-from signum.applications.mosaic.graph import solve as place_all
+from signum.applications.mosaic.edges import LIVE, SURVEY_EDGES, Edge
+from signum.applications.mosaic.graph import Solution, solve_graph
+from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity
@@ -19,14 +19,14 @@ from signum.measure.register import Prepared, Registrar
 
 @dataclass
 class Piece:
-    """Frames that hang together; its plane is that of its first frame.
+    """Connected frames; the plane of a piece is that of its first frame.
 
     Attributes:
         stored: frames in the graph, in order.
         places: of those, pixels of the frame -> plane.
-        hung: frames of a stream between them: which stored frame each hangs on, and its pixels -> that one's.
-        frames: all of them, in order.
-        solution: the last.
+        hung: frames of a stream between them: the stored frame each depends on, and its pixels -> that one's.
+        frames: all frames, in order.
+        solution: the latest.
     """
 
     stored: list[str] = field(default_factory=list)
@@ -42,14 +42,32 @@ class Piece:
         key, onto = self.hung[name]
         return self.places[key] @ onto
 
+    def hang(self, edge: Edge) -> None:
+        """Add a frame of a stream by its edge to a stored frame, without storing it."""
+        self.hung[edge.frame_b] = edge.frame_a, edge.similarity.inverse
+        self.frames.append(edge.frame_b)
+
+    def enter(self, edge: Edge) -> None:
+        """Add a stored frame by its edge to another."""
+        name = edge.frame_b
+        self.hung.pop(name, None)
+        self.stored.append(name)
+        if name not in self.frames:
+            self.frames.append(name)
+        self.places[name] = self.places[edge.frame_a] @ edge.similarity.inverse
+
 
 class Ledger:
-    """Pieces and links, with a row in `edges.csv` for every link noted.
+    """Pieces and edges, with a row in `edges.csv` for every edge noted.
 
     Args:
         registrar: for frames of this size.
-        out: folder of `edges.csv` and of the frames that are kept.
+        out: folder of `edges.csv` and of the stored frames.
         settings: see `SurveySettings`.
+
+    Attributes:
+        centre, size: of the frames, pixels.
+        partners: by frame, the frames it has accepted edges with.
     """
 
     def __init__(self, registrar: Registrar, out: Path, settings: SurveySettings) -> None:
@@ -58,71 +76,83 @@ class Ledger:
         self.size = registrar.fine.source
         self.shelf = Shelf(out)
         self.pieces: list[Piece] = []
-        self.links: list[Link] = []
+        self.edges: list[Edge] = []
         self.partners: dict[str, set[str]] = {}
-        """Frames a frame has accepted links with."""
 
-    def open_edges(self, anew: bool) -> None:
-        """Begin to write `edges.csv`, or go on with it."""
-        self.edges = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
+    def open_table(self, anew: bool) -> None:
+        """Begin to write `edges.csv`, or continue it."""
+        self._table = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
         if anew:
-            self._write(LINKS)
+            self._write(SURVEY_EDGES)
+
+    def close_table(self) -> None:
+        """Write no more rows."""
+        self._table.close()
 
     @property
-    def accepted(self) -> list[Link]:
-        """Accepted links between stored frames, of all pieces."""
-        return [link for link in self.links if link.accepted and link.kind != LIVE]
+    def closed(self) -> bool:
+        """Whether `edges.csv` is complete."""
+        return self._table.closed
 
-    def links_of(self, piece: Piece) -> list[Link]:
-        """Accepted links between stored frames of a piece."""
-        return [link for link in self.accepted if link.frame_a in piece.places and link.frame_b in piece.places]
+    @property
+    def accepted(self) -> list[Edge]:
+        """Accepted edges between stored frames, of all pieces."""
+        return [edge for edge in self.edges if edge.accepted and edge.kind != LIVE]
+
+    def edges_of(self, piece: Piece) -> list[Edge]:
+        """Accepted edges between stored frames of a piece."""
+        return [edge for edge in self.accepted if edge.frame_a in piece.places and edge.frame_b in piece.places]
 
     def ranked(self) -> list[Piece]:
         """The pieces, that with most frames first."""
         return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
-    @staticmethod
-    def enter(piece: Piece, link: Link) -> None:
-        name = link.frame_b
-        piece.hung.pop(name, None)
-        piece.stored.append(name)
-        if name not in piece.frames:
-            piece.frames.append(name)
-        piece.places[name] = piece.places[link.frame_a] @ link.similarity.inverse
-
-    def prepared(self, name: str) -> Prepared:
-        return self.shelf.prepared(name, self.registrar)
-
     def piece_of(self, name: str) -> Piece:
+        """The piece a stored frame belongs to."""
         return next(piece for piece in reversed(self.pieces) if name in piece.places)
 
-    def note(self, link: Link) -> Link:
-        """Record a link."""
-        self.know(link)
-        self._write(link.row)
-        return link
+    def poses(self, piece: Piece) -> list[Pose]:
+        """Poses of a piece's frames, in order."""
+        return [Pose.of(name, piece.place(name), self.centre) for name in piece.frames]
 
-    def know(self, link: Link) -> None:
-        self.links.append(link)
-        if link.accepted and link.kind != LIVE:
-            self.partners.setdefault(link.frame_a, set()).add(link.frame_b)
-            self.partners.setdefault(link.frame_b, set()).add(link.frame_a)
+    def prepared(self, name: str) -> Prepared:
+        """A stored frame as the board sees it."""
+        return self.shelf.prepared(name, self.registrar)
+
+    def begin(self, name: str) -> Piece:
+        """Begin a piece with a stored frame; its plane is this frame's."""
+        piece = Piece([name], {name: IDENTITY}, frames=[name])
+        self.pieces.append(piece)
+        return piece
+
+    def note(self, edge: Edge) -> Edge:
+        """Record an edge, also in `edges.csv`."""
+        self.recall(edge)
+        self._write(edge.row)
+        return edge
+
+    def recall(self, edge: Edge) -> None:
+        """Record an edge that is in `edges.csv` already."""
+        self.edges.append(edge)
+        if edge.accepted and edge.kind != LIVE:
+            self.partners.setdefault(edge.frame_a, set()).add(edge.frame_b)
+            self.partners.setdefault(edge.frame_b, set()).add(edge.frame_a)
 
     def _write(self, row: Sequence[object]) -> None:
-        # A row goes to the disk in one piece, its newline with it.
+        # A row is written in one call, newline included, so that a crash leaves at most one incomplete row.
         line = io.StringIO()
         csv.writer(line, lineterminator="\n").writerow(row)
-        self.edges.write(line.getvalue())
-        self.edges.flush()
+        self._table.write(line.getvalue())
+        self._table.flush()
 
     def solve(self, piece: Piece) -> None:
-        """Place the frames of a piece by all its links."""
-        links = self.links_of(piece)
-        piece.solution = place_all(piece.stored[0], links, self.size, piece.places, self.settings.outvoted)
+        """Place the frames of a piece by all its edges."""
+        edges = self.edges_of(piece)
+        piece.solution = solve_graph(piece.stored[0], edges, self.size, piece.places, self.settings.outvoted)
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
-        """One piece of two that links hold together; the frames of the later one come last."""
+        """Make one piece of two that edges now connect; the frames of the later one come last."""
         if self.pieces.index(early) > self.pieces.index(late):
             early, late = late, early
         early.stored += late.stored
@@ -130,9 +160,9 @@ class Ledger:
         early.hung |= late.hung
         early.places |= dict.fromkeys(late.stored, IDENTITY)
         start = {name: early.places[name] for name in early.stored if name not in late.places}
-        # The one whose frames are still coming stays last.
+        # The last piece is the one that new frames are added to, and stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
-        early.solution = place_all(early.stored[0], self.links_of(early), self.size, start, self.settings.outvoted)
+        early.solution = solve_graph(early.stored[0], self.edges_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]

@@ -1,4 +1,4 @@
-"""Looks for links beside the sequence: between frames whose predicted overlap is large enough, and between pieces."""
+"""Looks for edges beside the sequence: between frames whose predicted overlap is large enough, and between pieces."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from signum.applications.mosaic.edges import JOIN, LOOP, Link
+from signum.applications.mosaic.edges import JOIN, LOOP, Edge
 from signum.applications.mosaic.graph import precision
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.geometry.similarity import IDENTITY, Similarity, overlap
 
 
 class Loops:
-    """Proposes, measures and judges links, and notes them in a ledger.
+    """Proposes, measures and judges edges, and notes them in a ledger.
 
     Attributes:
         tried: pairs measured already, with where the second was expected to see the first.
@@ -25,15 +25,15 @@ class Loops:
         self._ledger, self._settings = ledger, ledger.settings
         self._registrar, self._centre, self._size = ledger.registrar, ledger.centre, ledger.size
         self.tried: dict[tuple[str, str], Similarity] = {}
-        self._doubtful: list[Link] = []
+        self._doubtful: list[Edge] = []
 
-    def propose(self, piece: Piece, name: str, by: Link | None = None) -> int:
-        """Measure the links of a frame that its predicted overlaps suggest; returns how many were accepted.
+    def propose(self, piece: Piece, name: str, by: Edge | None = None) -> int:
+        """Measure the edges of a frame that its predicted overlaps suggest; returns how many were accepted.
 
         Args:
             piece: the frame's.
             name: the frame.
-            by: the link that has just placed it, which the solution does not know yet.
+            by: the edge that has just placed it, which the solution does not know yet.
         """
         wanted = []
         order = {stored: k for k, stored in enumerate(piece.stored)}
@@ -51,7 +51,7 @@ class Loops:
             if share >= self._settings.overlap:
                 wanted.append((share, pair))
         wanted.sort(key=lambda one: -one[0])
-        # Where frames lie close, links to two that are side by side say the same: they are to come from all around.
+        # Where frames lie close, edges to two that are side by side say the same: they are to come from all around.
         near = self._settings.apart * min(self._size) * here.scale
         taken = [piece.places[partner](np.array(self._centre)) for partner in self._ledger.partners.get(name, ())
                  if partner in piece.places]
@@ -66,23 +66,23 @@ class Loops:
                     found += 1
         return found
 
-    def _try(self, piece: Piece, pair: tuple[str, str], by: Link | None) -> bool:
-        """Measure a proposed link of a piece, and believe it if it lands where the poses allow."""
+    def _try(self, piece: Piece, pair: tuple[str, str], by: Edge | None) -> bool:
+        """Measure a proposed edge of a piece, and believe it if it lands where the poses allow."""
         a, b = pair
         predicted = piece.places[b].inverse @ piece.places[a]
         point = self._common(predicted)
         deviation = self._deviation(piece, a, b, point, by)
-        link = self.measure(a, b, LOOP, predicted, deviation)
+        edge = self.measure(a, b, LOOP, predicted, deviation)
         self.tried[pair] = predicted
-        self._ledger.note(link)
-        return link.accepted
+        self._ledger.note(edge)
+        return edge.accepted
 
     def _common(self, predicted: Similarity) -> tuple[float, float]:
         """The middle of what two frames have in common, pixels of a."""
         middle = (np.array(self._centre) + predicted.inverse(np.array(self._centre))) / 2
         return float(middle[0]), float(middle[1])
 
-    def _deviation(self, piece: Piece, a: str, b: str, at: tuple[float, float], by: Link | None) -> float:
+    def _deviation(self, piece: Piece, a: str, b: str, at: tuple[float, float], by: Edge | None) -> float:
         """Standard deviation of the prediction, pixels."""
         assert piece.solution is not None
         if by is None:
@@ -92,8 +92,8 @@ class Loops:
         lever = math.dist((x, y), by.middle) / max(by.spread_px, 0.05 * max(self._size))
         return math.hypot(known, piece.solution.usual * math.hypot(1.0, lever) / math.sqrt(precision(by)))
 
-    def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Link:
-        """Measure a link around its prediction; refused where it lands farther off than the prediction may be."""
+    def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Edge:
+        """Measure an edge around its prediction; refused where it lands farther off than the prediction may be."""
         slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
         reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
         near = reach <= self._settings.farthest
@@ -108,11 +108,11 @@ class Loops:
             if result.agreed < max(self._settings.share * result.tried, self._settings.agreed):
                 reason = f"only {result.agreed} of {result.tried} windows agree"
             elif miss > slack or turned > self._settings.twist_deg:
-                reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other links give it"
-        return Link.of(a, b, kind, self._centre, result, reason)
+                reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other edges give it"
+        return Edge.of(a, b, kind, self._centre, result, reason)
 
     def join(self, name: str) -> int:
-        """Look for a link from a frame of the last piece to the others; returns how many were accepted."""
+        """Look for an edge from a frame of the last piece to the others; returns how many were accepted."""
         late = self._ledger.piece_of(name)
         others = [(piece, other) for piece in self._ledger.pieces if piece is not late for other in piece.stored]
         # Where columns turn, the frames after a break lie beside those as long before it; and a few from everywhere.
@@ -130,17 +130,17 @@ class Loops:
             result = self._registrar.register(self._ledger.prepared(other), self._ledger.prepared(name))
             self.tried[other, name] = IDENTITY
             if result.accepted and result.agreed >= max(self._settings.share * result.tried, self._settings.agreed):
-                self._doubtful.append(Link.of(other, name, JOIN, self._centre, result))
+                self._doubtful.append(Edge.of(other, name, JOIN, self._centre, result))
         found = 0
-        for link in list(self._doubtful):
-            found += self._confirm(link)
+        for edge in list(self._doubtful):
+            found += self._confirm(edge)
         return found
 
-    def _confirm(self, join: Link) -> int:
-        """Believe a link between two pieces if a second one, where the first says it must be, is found too.
+    def _confirm(self, join: Edge) -> int:
+        """Believe an edge between two pieces if a second one, where the first says it must be, is found too.
 
         Returns:
-            Links accepted: 0, or 2 and more.
+            Edges accepted: 0, or 2 and more.
         """
         early, late = self._ledger.piece_of(join.frame_a), self._ledger.piece_of(join.frame_b)
         if early is late:
@@ -157,27 +157,27 @@ class Loops:
         wanted.sort(key=lambda one: -one[0])
         lever = 0.5 * max(self._size) / max(join.spread_px, 0.05 * max(self._size))
         deviation = 2 * math.hypot(1.0, lever) / math.sqrt(precision(join)) + 0.01 * max(self._size)
-        links = [self.measure(a, b, JOIN, predicted, deviation)
+        edges = [self.measure(a, b, JOIN, predicted, deviation)
                  for _, a, b, predicted in wanted[: self._settings.joins]]
-        good = [link for link in links if link.accepted]
-        if not links:
+        good = [edge for edge in edges if edge.accepted]
+        if not edges:
             return 0
-        if 2 * len(good) < len(links):
+        if 2 * len(good) < len(edges):
             self._doubtful.remove(join)
             self._ledger.note(replace(join, accepted=False, reason="not borne out where others had to be"))
             return 0
-        for link in (join, *links):
-            self._ledger.note(link)
-            self.tried[link.frame_a, link.frame_b] = IDENTITY
+        for edge in (join, *edges):
+            self._ledger.note(edge)
+            self.tried[edge.frame_a, edge.frame_b] = IDENTITY
         self._doubtful.remove(join)
         self._ledger.merge(early, late)
         return 1 + len(good)
 
     def exhaust(self, piece: Piece) -> Iterator[str]:
-        """Look again for the links of a piece that its poses now predict, until there are no more; tells of each
+        """Look again for the edges of a piece that its poses now predict, until there are no more; tells of each
         frame."""
         for _ in range(3):
-            linked = {(link.frame_a, link.frame_b) for link in self._ledger.accepted}
+            linked = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
             for pair, before in list(self.tried.items()):
                 if pair[0] in piece.places and pair[1] in piece.places and pair not in linked:
                     now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
@@ -187,7 +187,7 @@ class Loops:
             found = 0
             for name in list(piece.stored):
                 found += self.propose(piece, name)
-                yield f"{name}: looked for more links"
+                yield f"{name}: looked for more edges"
             if not found:
                 return
             self._ledger.solve(piece)

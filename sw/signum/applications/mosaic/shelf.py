@@ -1,9 +1,9 @@
-"""What a survey keeps on disk while it runs, so that it can go on after a crash: stored frames, links, what it is.
+"""What a survey keeps on disk while it runs, so that it can go on after a crash: stored frames, edges, what it is.
 
     run.json     what was asked for, and whether it was finished
     frames/      the stored frames, PNG
     frames/starts.txt   the frames that begin a piece, a JSON string a line
-    edges.csv    a row per measured link, as soon as it is measured
+    edges.csv    a row per measured edge, as soon as it is measured
 
 A frame's picture is written before the row that places it, and the row ends with a newline: whatever the moment of a
 crash, what can be read is whole, and at most the frame at work has to be taken again.
@@ -37,7 +37,7 @@ class ResumeError(SignumError):
 
 
 @dataclass(frozen=True)
-class Run:
+class SurveyRun:
     """What a survey was asked for; one with other values is another survey.
 
     Attributes:
@@ -45,7 +45,7 @@ class Run:
         size: width and height of the frames, pixels.
         stream: whether little moves between frames.
         window, sigma: of the registration.
-        columns: how links beside the sequence are looked for: single, auto or turned.
+        columns: how edges beside the sequence are looked for: single, auto or turned.
     """
 
     source: str
@@ -55,7 +55,7 @@ class Run:
     sigma: float
     columns: str
 
-    def differs(self, other: Run) -> str:
+    def differs(self, other: SurveyRun) -> str:
         """The first difference in words; empty if there is none. Where the frames come from may differ."""
         for name, flag in (("size", "frames of"), ("stream", "stream"), ("window", "--window"), ("sigma", "--sigma"),
                            ("columns", "--columns")):
@@ -129,17 +129,17 @@ class Shelf:
     def _path(self, name: str) -> Path:
         return self.frames / f"{quote(name, safe=' ')}.png"
 
-    def describe(self, run: Run, finished: bool) -> None:
+    def describe(self, run: SurveyRun, finished: bool) -> None:
         """Write `run.json`."""
         write_text(self.folder / "run.json", json.dumps({**asdict(run), "finished": finished}, indent=1) + "\n")
 
-    def described(self) -> tuple[Run, bool] | None:
+    def described(self) -> tuple[SurveyRun, bool] | None:
         """What `run.json` says: the run, and whether it was finished; None where there is none that can be read."""
         try:
             values = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
             finished = bool(values.pop("finished"))
             values["size"] = tuple(values["size"])
-            return Run(**values), finished
+            return SurveyRun(**values), finished
         except (OSError, ValueError, KeyError, TypeError):
             return None
 

@@ -20,7 +20,7 @@ from signum.world.seafloor import Seafloor, photograph, quilt
 from signum.world.water import Water
 from signum.world.world import World
 
-PATCH = 96
+QUILT_PATCH = 96
 """Pixels of the finest texture."""
 Cell = tuple[int, int]
 """Row, column."""
@@ -109,13 +109,13 @@ def seafloor(extent: float, relief: float, texel: float, seed: int, feature: flo
     """
     floor = Seafloor(extent=extent, relief=relief, feature=feature, texel=texel, seed=seed)
     rng = np.random.default_rng([seed, 9])
-    floor.levels[:1] = [quilt(photograph(floor.photo), floor.levels[0].shape[0], rng, PATCH)]
+    floor.levels[:1] = [quilt(photograph(floor.photo), floor.levels[0].shape[0], rng, QUILT_PATCH)]
     for k in range(1, len(floor.levels)):
         floor.levels[k] = np.asarray(cv2.pyrDown(floor.levels[k - 1]), np.float32)
     return floor
 
 
-def fly(plan: Plan, seed: int) -> Flown:
+def simulate_survey(plan: Plan, seed: int) -> Flown:
     """Take the frames of a survey."""
     rng = np.random.default_rng([seed, 7])
     along, across = (s * plan.pixel_m for s in plan.stride)

@@ -1,45 +1,38 @@
-"""The three ways of the paper and after it to place frames by the same links: what least squares gains over chains."""
+"""Three ways to place frames by the same edges, for comparison: two chains of the paper, and least squares."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from signum.applications.mosaic.edges import SEQUENCE
 from signum.applications.mosaic.graph import chain
-from signum.applications.mosaic.ledger import Piece
+from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
-from signum.applications.mosaic.survey import Survey
 from signum.geometry.similarity import Similarity
 
 
-def by_sequence(survey: Survey, piece: Piece) -> list[Pose]:
-    """(a) Each stored frame by its link to the one before; empty where the sequence does not reach them all."""
-    links = [link for link in survey.links_of(piece) if link.kind == SEQUENCE]
-    return _poses(survey, piece, chain(piece.stored[0], links))
+def by_sequence(ledger: Ledger, piece: Piece) -> list[Pose]:
+    """(a) Each stored frame by its edge to the one before; empty if the sequence does not reach them all."""
+    edges = [edge for edge in ledger.edges_of(piece) if edge.kind == SEQUENCE]
+    return _poses(ledger, piece, chain(piece.stored[0], edges))
 
 
-def by_neighbours(survey: Survey, piece: Piece) -> list[Pose]:
-    """(b) Each by as few links from the first frame as there are: across columns where they are linked."""
-    return _poses(survey, piece, chain(piece.stored[0], survey.links_of(piece)))
+def by_neighbours(ledger: Ledger, piece: Piece) -> list[Pose]:
+    """(b) Each by the fewest edges from the first frame, across columns where there are such edges."""
+    return _poses(ledger, piece, chain(piece.stored[0], ledger.edges_of(piece)))
 
 
-def by_all(survey: Survey, piece: Piece) -> list[Pose]:
-    """(c) All by all links, least squares."""
-    return _poses(survey, piece, piece.places)
+def by_all(ledger: Ledger, piece: Piece) -> list[Pose]:
+    """(c) All frames by all edges, by least squares."""
+    return _poses(ledger, piece, piece.places)
 
 
-def _poses(survey: Survey, piece: Piece, places: dict[str, Similarity]) -> list[Pose]:
+def _poses(ledger: Ledger, piece: Piece, places: dict[str, Similarity]) -> list[Pose]:
     if len(places) < len(piece.stored):
         return []
-    out = []
-    for name in piece.stored:
-        x, y = places[name](np.array(survey.centre))
-        out.append(Pose(name, float(x), float(y), places[name].rot_deg, places[name].scale))
-    return out
+    return [Pose.of(name, places[name], ledger.centre) for name in piece.stored]
 
 
-WAYS: dict[str, Callable[[Survey, Piece], list[Pose]]] = {
+WAYS: dict[str, Callable[[Ledger, Piece], list[Pose]]] = {
     "sequence only": by_sequence, "fewest links": by_neighbours, "all links": by_all}
-"""By what they are called in `accuracy.csv`."""
+"""The ways by their names in `accuracy.csv`."""

@@ -1,4 +1,4 @@
-"""Errors against truth, worked out by hand; links and tracks read back; mosaics on the ground."""
+"""Errors against truth, worked out by hand; edges and tracks read back; mosaics on the ground."""
 
 import math
 from pathlib import Path
@@ -7,10 +7,16 @@ import numpy as np
 import pytest
 import tifffile
 
-from signum.applications.mosaic.accuracy import Track, judge, read_track, rows
+from signum.applications.mosaic.accuracy import Track, accuracy_rows, pose_errors, read_track
 from signum.applications.mosaic.blend import Mosaic
-from signum.applications.mosaic.edges import LINKS, LOOP, Link, read_links
-from signum.applications.mosaic.georeference import by_log, by_range, world_of, write_geotiff, write_world_file
+from signum.applications.mosaic.edges import LOOP, SURVEY_EDGES, Edge, read_edges
+from signum.applications.mosaic.georeference import (
+    ground_by_log,
+    ground_by_range,
+    world_of,
+    write_geotiff,
+    write_world_file,
+)
 from signum.applications.mosaic.pose import Pose
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
@@ -27,11 +33,11 @@ def _square(unit: float, turn_deg: float, nudge: complex = 0j) -> list[Pose]:
 
 def test_similarity_is_taken_out_and_rigid_leaves_the_scale() -> None:
     truth = Track({str(k): z for k, z in enumerate([0j, 10 + 0j, 10 + 10j, 10j])}, {}, "m")
-    free = judge(_square(0.5, 30.0), truth)
+    free = pose_errors(_square(0.5, 30.0), truth)
     assert free.ape == pytest.approx(np.zeros(4), abs=1e-12) and free.rpe == pytest.approx(np.zeros(3), abs=1e-12)
     assert free.onto.scale == pytest.approx(0.2) and free.onto.rot_deg == pytest.approx(-30)
     # A square of side 50 onto one of side 10 about the same middle: corners 40/sqrt(2) apart, sides 40 longer.
-    rigid = judge(_square(0.5, 30.0), truth, scaled=False)
+    rigid = pose_errors(_square(0.5, 30.0), truth, scaled=False)
     assert rigid.ape == pytest.approx(np.full(4, 40 / math.sqrt(2))) and rigid.rpe == pytest.approx(np.full(3, 40))
 
 
@@ -40,12 +46,12 @@ def test_ape_and_rpe_by_hand() -> None:
     best similarity shrinks by 200/206 as well."""
     truth = Track({"a": 0j, "b": 10 + 0j, "c": 20 + 0j}, {"a": 0.0, "b": 10.0, "c": 350.0}, "px")
     poses = [Pose("a", 0, 0, 0, 1), Pose("b", 10, 3, 12, 1), Pose("c", 20, 0, -11, 1)]
-    error = judge(poses, truth, scaled=False)
+    error = pose_errors(poses, truth, scaled=False)
     assert error.ape == pytest.approx([1, 2, 1]) and error.rpe == pytest.approx([3, 3])
-    free = judge(poses, truth)
+    free = pose_errors(poses, truth)
     assert free.ape == pytest.approx(np.array([math.hypot(200, 60), 400, math.hypot(200, 60)]) / 206)
     assert error.turn == pytest.approx([2, 3])
-    line = rows("all links", error, "px")
+    line = accuracy_rows("all links", error, "px")
     assert line[0][:4] == ["all links", "APE after similarity", "px", f"{math.sqrt(2):.4f}"]
     assert line[1][3] == "3.0000" and line[2][1:4] == ["RPE, rotation", "deg", f"{math.sqrt(6.5):.4f}"]
 
@@ -67,26 +73,26 @@ def test_tracks_are_read_and_bad_ones_named(tmp_path: Path) -> None:
         with pytest.raises(SignumError, match=says):
             read_track(write(text))
     with pytest.raises(SignumError, match="three are needed"):
-        judge(_square(1, 0), read_track(write("frame,x,y\n1,2,3\n9,2,3\n")))
+        pose_errors(_square(1, 0), read_track(write("frame,x,y\n1,2,3\n9,2,3\n")))
 
 
-def test_links_come_back(tmp_path: Path) -> None:
-    link = Link("a,1", "b", LOOP, Similarity.of(-7.7, 1.08, (-286.5, 192.6)), (287.5, 191.5), 0.71, 0.12, True,
+def test_edges_come_back(tmp_path: Path) -> None:
+    edge = Edge("a,1", "b", LOOP, Similarity.of(-7.7, 1.08, (-286.5, 192.6)), (287.5, 191.5), 0.71, 0.12, True,
                 (201.25, 80.5), 133.25, 2.5, 15, 24, "")
     path = tmp_path / "edges.csv"
     import csv
     with path.open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(LINKS)
-        table.writerow(link.row)
+        table.writerow(SURVEY_EDGES)
+        table.writerow(edge.row)
         file.write("b,c,1.0,2")  # a crash in the middle of a row
-    back, = read_links(path, link.centre)
+    back, = read_edges(path, edge.centre)
     points = np.array([[0.0, 0.0], [575.0, 383.0]])
-    assert np.abs(back.similarity(points) - link.similarity(points)).max() < 0.01
-    assert back.row == link.row
+    assert np.abs(back.similarity(points) - edge.similarity(points)).max() < 0.01
+    assert back.row == edge.row
     path.write_text("frame_a,frame_b\n")
     with pytest.raises(SignumError, match="not the edges of a survey"):
-        read_links(path, link.centre)
+        read_edges(path, edge.centre)
 
 
 def _tags(path: Path) -> dict[str, object]:
@@ -104,7 +110,7 @@ def test_geotiff_from_a_navigation_log(tmp_path: Path, colour: bool) -> None:
     # Image up is east, so image right is south.
     log = Track({p.frame: complex(500_000 - 0.02 * p.y_px, -(4_000_000 - 0.02 * p.x_px)) for p in poses}, {}, "m")
     log.positions["4"] += 50
-    geo = by_log(poses, log, 32755)
+    geo = ground_by_log(poses, log, 32755)
     assert geo.pixel_m == pytest.approx(0.02) and geo.residual_m < 1e-6
     picture = rng.integers(0, 255, (40, 60, 3) if colour else (40, 60), dtype=np.uint8)
     mosaic = Mosaic(picture, (-100.0, -10.0), 0.5)
@@ -131,8 +137,8 @@ def test_geotiff_from_a_navigation_log(tmp_path: Path, colour: bool) -> None:
 
 
 def test_scale_from_range() -> None:
-    geo = by_range(2.0, 500.0, (287.5, 191.5))
+    geo = ground_by_range(2.0, 500.0, (287.5, 191.5))
     step, east, north = world_of(Mosaic(np.zeros((4, 4), np.uint8), (287.5, 191.5), 1.0), geo)
     assert step == pytest.approx(0.004) and (east, north) == pytest.approx((0, 0))
     with pytest.raises(SignumError, match="two are needed"):
-        by_log(_square(1, 0), Track({"0": 0j}, {}, "m"))
+        ground_by_log(_square(1, 0), Track({"0": 0j}, {}, "m"))

@@ -153,9 +153,9 @@ def test_automatic_mode_flies_the_column(tmp_path: Path) -> None:
         frames = list(fly_column(sea, vehicle, camera, survey, 3, section=48))
     assert frames[-1].stored == 3 and all(f.valid for f in frames) and len(frames) < 80
     # From top centre to bottom centre: the frame's height less the section and its border of 8 pixels at both ends.
-    shifts = np.array([edge.shift for edge in survey.links])
+    shifts = np.array([edge.shift for edge in survey.edges])
     assert shifts[:, 1] == pytest.approx([192 - 48 - 16 - 1] * 2, abs=5)
-    assert all(edge.accepted for edge in survey.links) and (np.abs(shifts[:, 0]) < 5).all()
+    assert all(edge.accepted for edge in survey.edges) and (np.abs(shifts[:, 0]) < 5).all()
     stored = [f.sight for f, before in zip(frames, [0] + [f.stored for f in frames], strict=False) if f.stored > before]
     true = ground_view(camera, stored[0]).inverse @ ground_view(camera, stored[-1])
     last = survey.pieces[0].places["2"]

@@ -1,10 +1,10 @@
-"""The pose graph: known graphs come back, whatever some links say."""
+"""The pose graph: known graphs come back, whatever some edges say."""
 
 import numpy as np
 import pytest
 
-from signum.applications.mosaic.edges import LOOP, Link
-from signum.applications.mosaic.graph import FLOOR_PX, TOGETHER, chain, solve
+from signum.applications.mosaic.edges import LOOP, Edge
+from signum.applications.mosaic.graph import FLOOR_PX, TOGETHER, chain, solve_graph
 from signum.geometry.similarity import Similarity
 
 SIZE = 400, 300
@@ -22,7 +22,7 @@ def _poses(side: int, rng: np.random.Generator) -> dict[str, Similarity]:
     return out
 
 
-def _link(poses: dict[str, Similarity], a: str, b: str, rng: np.random.Generator, noise: float) -> Link:
+def _edge(poses: dict[str, Similarity], a: str, b: str, rng: np.random.Generator, noise: float) -> Edge:
     """What a registration with window errors of `noise` pixels would say; 16 windows count as 4."""
     true = poses[b].inverse @ poses[a]
     middle = (np.array(CENTRE) + true.inverse(np.array(CENTRE))) / 2
@@ -31,7 +31,7 @@ def _link(poses: dict[str, Similarity], a: str, b: str, rng: np.random.Generator
     factor = true.factor + complex(*rng.normal(0, sigma, 2)) / spread
     there = complex(*true(middle)) + complex(*rng.normal(0, sigma, 2))
     rms = float(np.sqrt(max(2 * (noise**2 - FLOOR_PX**2), 0)))
-    return Link(a, b, LOOP, Similarity(factor, there - factor * complex(*middle)), CENTRE,
+    return Edge(a, b, LOOP, Similarity(factor, there - factor * complex(*middle)), CENTRE,
                 middle=(float(middle[0]), float(middle[1])), spread_px=spread, rms_px=rms, agreed=16, tried=20)
 
 
@@ -44,10 +44,10 @@ def _errors(poses: dict[str, Similarity], found: dict[str, Similarity]) -> list[
     return [float(np.hypot(*(found[n](np.array(CENTRE)) - poses[n](np.array(CENTRE))))) for n in poses]
 
 
-def test_exact_links_give_exact_poses() -> None:
+def test_exact_edges_give_exact_poses() -> None:
     rng = np.random.default_rng(0)
     poses = _poses(5, rng)
-    solution = solve("0", [_link(poses, a, b, rng, 0.0) for a, b in _grid(5)], SIZE)
+    solution = solve_graph("0", [_edge(poses, a, b, rng, 0.0) for a, b in _grid(5)], SIZE)
     assert max(_errors(poses, solution.places)) < 1e-6
     for name, pose in poses.items():
         assert abs(solution.places[name].factor - pose.factor) < 1e-9
@@ -58,19 +58,19 @@ def test_exact_links_give_exact_poses() -> None:
 def test_outliers_are_outvoted(seed: int) -> None:
     rng = np.random.default_rng(seed)
     poses = _poses(6, rng)
-    links = [_link(poses, a, b, rng, 1.5) for a, b in _grid(6)]
-    wrong = set(rng.choice(len(links), len(links) // 8, replace=False).tolist())
+    edges = [_edge(poses, a, b, rng, 1.5) for a, b in _grid(6)]
+    wrong = set(rng.choice(len(edges), len(edges) // 8, replace=False).tolist())
     for k in wrong:
         off = complex(*rng.uniform(30, 90, 2)) * rng.choice([1, -1])
-        turned = links[k].similarity @ Similarity.of(rng.uniform(-5, 5))
-        links[k] = Link(**{**links[k].__dict__, "similarity": Similarity(turned.factor, turned.shift + off)})
-    solution = solve("0", links, SIZE)
-    clean = solve("0", [link for k, link in enumerate(links) if k not in wrong], SIZE)
+        turned = edges[k].similarity @ Similarity.of(rng.uniform(-5, 5))
+        edges[k] = Edge(**{**edges[k].__dict__, "similarity": Similarity(turned.factor, turned.shift + off)})
+    solution = solve_graph("0", edges, SIZE)
+    clean = solve_graph("0", [edge for k, edge in enumerate(edges) if k not in wrong], SIZE)
     assert max(solution.weights[k] for k in wrong) < 0.05
-    assert np.mean([solution.weights[k] for k in range(len(links)) if k not in wrong]) > 0.7
+    assert np.mean([solution.weights[k] for k in range(len(edges)) if k not in wrong]) > 0.7
     apart = [np.hypot(*(solution.places[n](np.array(CENTRE)) - clean.places[n](np.array(CENTRE)))) for n in poses]
     assert max(apart) < 1.5, "as good as without them"
-    assert max(_errors(poses, chain("0", links))) > 1.5 * max(_errors(poses, solution.places)), "which a chain is not"
+    assert max(_errors(poses, chain("0", edges))) > 1.5 * max(_errors(poses, solution.places)), "which a chain is not"
 
 
 def test_deviation_is_what_is_seen() -> None:
@@ -79,7 +79,7 @@ def test_deviation_is_what_is_seen() -> None:
     misses, said = [], []
     for seed in range(40):
         rng = np.random.default_rng(100 + seed)
-        solution = solve("0", [_link(poses, a, b, rng, 2.0) for a, b in _grid(4)], SIZE)
+        solution = solve_graph("0", [_edge(poses, a, b, rng, 2.0) for a, b in _grid(4)], SIZE)
         miss = solution.relative("0", "15")(np.array(CENTRE)) - (poses["15"].inverse @ poses["0"])(np.array(CENTRE))
         misses.append(miss)
         said.append(solution.deviation("0", "15", CENTRE))
@@ -88,17 +88,17 @@ def test_deviation_is_what_is_seen() -> None:
 
 
 def test_a_long_loop_does_not_shrink() -> None:
-    """Links that cannot agree must not be made to by making far frames small."""
+    """Edges that cannot agree must not be made to by making far frames small."""
     rng = np.random.default_rng(2)
     poses = _poses(7, rng)
-    links = [_link(poses, a, b, rng, 6.0) for a, b in _grid(7)]
-    scales = [p.scale / poses[n].scale for n, p in solve("0", links, SIZE).places.items()]
+    edges = [_edge(poses, a, b, rng, 6.0) for a, b in _grid(7)]
+    scales = [p.scale / poses[n].scale for n, p in solve_graph("0", edges, SIZE).places.items()]
     assert abs(float(np.mean(np.log(scales)))) < 0.03
 
 
 def test_only_what_hangs_together_is_placed() -> None:
     rng = np.random.default_rng(3)
     poses = _poses(3, rng)
-    solution = solve("0", [_link(poses, "0", "1", rng, 1.0), _link(poses, "4", "5", rng, 1.0)], SIZE)
+    solution = solve_graph("0", [_edge(poses, "0", "1", rng, 1.0), _edge(poses, "4", "5", rng, 1.0)], SIZE)
     assert set(solution.places) == {"0", "1"} and solution.usual == 1
-    assert set(solve("8", [], SIZE).places) == {"8"}
+    assert set(solve_graph("8", [], SIZE).places) == {"8"}

@@ -1,4 +1,4 @@
-"""Surveys end to end: back and forth untold, broken off and gone on with, wrong links refused, real ones."""
+"""Surveys end to end: back and forth untold, broken off and gone on with, wrong edges refused, real ones."""
 
 import csv
 import itertools
@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from signum.applications.mosaic.accuracy import judge, read_track
+from signum.applications.mosaic.accuracy import pose_errors, read_track
 from signum.applications.mosaic.edges import JOIN, SEQUENCE
 from signum.applications.mosaic.loops import Loops
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError
-from signum.applications.mosaic.simulate import Flown, Plan, fly
+from signum.applications.mosaic.simulate import Flown, Plan, simulate_survey
 from signum.applications.mosaic.survey import Survey
 from signum.boards.board import BoardBase
 from signum.boards.golden import GoldenBoard
@@ -37,16 +37,16 @@ app = application()
 PLAN = Plan(rows=3, columns=3, size=(192, 144), focal=220.0, step=(0.5, 0.5), yaw_deg=2.0)
 KILLED = """
 import os, signal
-from signum.applications.mosaic.survey import Survey
-write, rows = Survey._write, []
+from signum.applications.mosaic.ledger import Ledger
+write, rows = Ledger._write, []
 def written(self, row):
     write(self, row)
     rows.append(row)
     if len(rows) == 9:
-        self.edges.write("00,0")
-        self.edges.flush()
+        self._table.write("00,0")
+        self._table.flush()
         os.kill(os.getpid(), signal.SIGKILL)
-Survey._write = written
+Ledger._write = written
 from signum.commands.cli import main
 main()
 """
@@ -70,7 +70,7 @@ def _run(*arguments: str | Path) -> Result:
 
 @pytest.fixture(scope="module")
 def flown() -> Flown:
-    return fly(PLAN, 3)
+    return simulate_survey(PLAN, 3)
 
 
 @pytest.fixture
@@ -157,29 +157,29 @@ def test_it_grows_while_frames_arrive(flown: Flown, tmp_path: Path) -> None:
     areas = []
     for k, cell in enumerate(flown.sequence()[:5]):
         survey.add(Frame(str(k), flown.frames[cell]))
-        survey._look_took = 0.0
+        survey._update_took = 0.0
         areas.append(int((np.asarray(cv2.imread(str(tmp_path / "mosaic.png"))) > 0).sum()))
         assert len(_rows(tmp_path / "poses.csv")) == k + 1
     survey.close()
     assert all(b > a for a, b in itertools.pairwise(areas))
 
 
-def test_wrong_predictions_never_make_a_link(flown: Flown, tmp_path: Path) -> None:
+def test_wrong_predictions_never_make_a_edge(flown: Flown, tmp_path: Path) -> None:
     """Pairs that do not overlap, and pairs that do but elsewhere than predicted: refused, or right all the same."""
     survey = Survey(_registrar(PLAN.size), tmp_path)
     cells = flown.sequence()
     for k, cell in enumerate(cells):
-        survey.shelf.save(str(k), flown.frames[cell])
+        survey.ledger.shelf.save(str(k), flown.frames[cell])
     rng = np.random.default_rng(0)
     wrong = accepted = 0
     for _ in range(40):
         a, b = rng.choice(9, 2, replace=False)
         predicted = Similarity.of(rng.uniform(-6, 6), 1.0, (rng.uniform(-110, 110), rng.uniform(-80, 80)))
-        link = Loops(survey).measure(str(a), str(b), "loop", predicted, float(rng.uniform(1, 12)))
-        if link.accepted:
+        edge = Loops(survey.ledger).measure(str(a), str(b), "loop", predicted, float(rng.uniform(1, 12)))
+        if edge.accepted:
             accepted += 1
             true = flown.truth[cells[b]].inverse @ flown.truth[cells[a]]
-            wrong += bool(np.hypot(*(link.similarity(np.array(link.middle)) - true(np.array(link.middle)))) > 5)
+            wrong += bool(np.hypot(*(edge.similarity(np.array(edge.middle)) - true(np.array(edge.middle)))) > 5)
     survey.close()
     assert wrong == 0 and accepted < 10
 
@@ -197,7 +197,7 @@ def test_pieces_are_joined_where_columns_meet(flown: Flown, tmp_path: Path) -> N
         for _ in survey.finish():
             pass
     assert sorted(len(p.frames) for p in survey.pieces) == [1, 9]
-    assert sum(link.kind == JOIN and link.accepted for link in survey.links) >= 2
+    assert sum(edge.kind == JOIN and edge.accepted for edge in survey.edges) >= 2
     piece = survey.ranked()[0]
     truth = {str(k): flown.position(c) for k, c in enumerate(cells)}
     first = flown.truth[cells[0]]
@@ -211,7 +211,7 @@ def test_a_stream_of_columns(tmp_path: Path) -> None:
     """A video flown up one column and down the next: every frame is placed, the columns are linked."""
     plan = Plan(rows=8, columns=2, size=(192, 144), focal=220.0, step=(0.125, 0.5), yaw_deg=0.5, zoom=0.003,
                 tilt_deg=0.1, place_m=0.005)
-    flown = fly(plan, 1)
+    flown = simulate_survey(plan, 1)
     cells = flown.sequence()
     # Between the columns the camera moves aside in steps.
     with Survey(_registrar(plan.size), tmp_path, stream=True) as survey:
@@ -253,21 +253,22 @@ def real(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Surve
 def test_skerki_both_columns(real: tuple[Survey, Path]) -> None:
     survey, path = real
     pairs = read_pairs(path / "sift_pairs.csv")
-    off = residuals(survey.ranked()[0].places, pairs, survey.size)
-    print(f"skerki: {len(survey.accepted)} links, residual mean {off.mean():.2f} px, median {np.median(off):.2f} px")
+    off = residuals(survey.ranked()[0].places, pairs, survey.ledger.size)
+    print(f"skerki: {len(survey.ledger.accepted)} edges, residual mean {off.mean():.2f} px, "
+          f"median {np.median(off):.2f} px")
     assert off.mean() <= 6 and np.median(off) <= 4.5
-    for link in survey.accepted:
-        if link.kind == SEQUENCE:
-            x, y = pairs[link.frame_a, link.frame_b].similarity(np.array(link.centre)) - np.array(link.centre)
-            miss = np.hypot(link.shift[0] - x, link.shift[1] - y)
-            assert miss <= 8 + 0.05 * np.hypot(x, y), (link.frame_a, link.frame_b)
-    assert [link for link in survey.accepted if (link.frame_a, link.frame_b) == ("07", "08")]
+    for edge in survey.ledger.accepted:
+        if edge.kind == SEQUENCE:
+            x, y = pairs[edge.frame_a, edge.frame_b].similarity(np.array(edge.centre)) - np.array(edge.centre)
+            miss = np.hypot(edge.shift[0] - x, edge.shift[1] - y)
+            assert miss <= 8 + 0.05 * np.hypot(x, y), (edge.frame_a, edge.frame_b)
+    assert [edge for edge in survey.ledger.accepted if (edge.frame_a, edge.frame_b) == ("07", "08")]
 
 
 @pytest.mark.parametrize("real", ["imos/test1", "imos/test5"], indirect=True)
 def test_imos_frame_centres(real: tuple[Survey, Path]) -> None:
     survey, path = real
-    error = judge(survey.poses(survey.ranked()[0]), read_track(SHARED / "imos" / "georef.csv", str(path)))
+    error = pose_errors(survey.poses(survey.ranked()[0]), read_track(SHARED / "imos" / "georef.csv", str(path)))
     rms = float(np.sqrt(np.mean(error.ape**2)))
     print(f"{path.name}: frame centres within {100 * rms:.1f} cm RMS of georef.csv")
     assert len(error.frames) == 8 and rms <= 0.06

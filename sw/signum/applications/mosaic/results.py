@@ -1,0 +1,102 @@
+"""What a survey writes for its user: the poses, and the mosaic, as it grows and at the end."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+
+from signum.applications.mosaic.blend import compose, sketch
+from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
+from signum.applications.mosaic.ledger import Ledger, Piece
+from signum.applications.mosaic.pose import Pose
+from signum.applications.mosaic.shelf import write_picture, write_text
+from signum.common.arrays import Image
+from signum.common.errors import SignumError
+from signum.geometry.similarity import IDENTITY
+from signum.tables.schemas import POSES
+
+THUMB = 240
+"""Longer side of the copies the growing mosaic is made of, pixels."""
+Grounding = Callable[[list[Pose], tuple[float, float]], Georeference | None]
+"""Finds where on the ground a piece is, from its poses and the frames' centre in pixels."""
+
+
+class Results:
+    """Writes `poses.csv` and `mosaic.png`, and for further pieces `poses-2.csv`, `mosaic-2.png`, ...
+
+    Args:
+        ledger: the survey's.
+
+    Attributes:
+        ground: where given, the mosaics get world files and GeoTIFFs.
+        trouble: why `ground` failed; empty if it did not.
+    """
+
+    def __init__(self, ledger: Ledger) -> None:
+        self._ledger = ledger
+        self.ground: Grounding | None = None
+        self.trouble = ""
+        self._thumbs: dict[str, Image] = {}
+
+    def show(self, name: str, picture: Image | None = None) -> Image:
+        """A stored frame's small copy for the growing mosaic; `picture` is the frame where it is at hand."""
+        if name not in self._thumbs:
+            whole = self._ledger.shelf.picture(name) if picture is None else picture
+            less = THUMB / max(whole.shape[:2])
+            self._thumbs[name] = np.asarray(cv2.resize(whole, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
+                                            np.uint8) if less < 1 else whole
+        return self._thumbs[name]
+
+    def write_poses(self) -> None:
+        """Write the poses of all pieces."""
+        pieces = self._ledger.ranked()
+        for number, piece in enumerate(pieces, 1):
+            text = io.StringIO()
+            rows = csv.writer(text, lineterminator="\n")
+            rows.writerow(POSES)
+            rows.writerows(pose.row for pose in self._ledger.poses(piece))
+            write_text(self._ledger.out / f"poses{suffix(number)}.csv", text.getvalue())
+        for old in self._ledger.out.glob("poses-*.csv"):
+            if int(old.stem.removeprefix("poses-")) > len(pieces):
+                old.unlink()
+
+    def write_growing(self) -> None:
+        """Write the poses so far and a quick mosaic of the largest piece."""
+        self.write_poses()
+        piece = self._ledger.ranked()[0]
+        picture = sketch([self.show(name) for name in piece.stored], [piece.places[n] for n in piece.stored],
+                         self._ledger.size)
+        write_picture(self._ledger.out / "mosaic.png", picture)
+
+    def write_all(self) -> None:
+        """Write the poses, and the mosaics of the largest piece and of all others with more than one frame."""
+        self.write_poses()
+        self.trouble = ""
+        for number, piece in enumerate(self._ledger.ranked(), 1):
+            if number == 1 or len(piece.stored) > 1:
+                self._write_mosaic(piece, suffix(number))
+
+    def _write_mosaic(self, piece: Piece, ending: str) -> None:
+        ledger = self._ledger
+        geo: Georeference | None = None
+        if self.ground is not None:
+            try:
+                geo = self.ground(ledger.poses(piece), ledger.centre)
+            except SignumError as error:
+                self.trouble = self.trouble or str(error)
+        upright = geo.upright if geo else IDENTITY
+        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
+        path = ledger.out / f"mosaic{ending}.png"
+        write_picture(path, mosaic.picture)
+        if geo:
+            write_world_file(path.with_suffix(".pgw"), mosaic, geo)
+            write_geotiff(path.with_suffix(".tif"), mosaic, geo)
+
+
+def suffix(number: int) -> str:
+    """Ending of the file names of a piece: none for the first, "-2" for the second."""
+    return "" if number == 1 else f"-{number}"
