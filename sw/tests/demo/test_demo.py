@@ -22,7 +22,8 @@ def test_demo_leaves_everything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     result = CliRunner().invoke(application(), ["demo", "--board", "golden", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     page = (tmp_path / "report.html").read_text()
-    assert page.count("data:image/png;base64,") == 18 and "http" not in page and "src=" in page
+    assert page.count("data:image/png;base64,") == 18 and "src=" in page
+    assert "http" not in re.sub(r"base64,[^\"]*", "", page), "pictures may contain any letters"
     assert np.asarray(cv2.imread(str(tmp_path / "mosaic.png"))).shape[0] > 300
     with (tmp_path / "track.csv").open() as file:
         assert len(list(csv.DictReader(file))) >= 6 * 8
