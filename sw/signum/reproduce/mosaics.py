@@ -112,7 +112,7 @@ def _columns(board: BoardBase, out: Path, seed: int, quick: bool, progress: Prog
     text = (f"{side}x{side} frames over relief of {100 * plan.relief:.0f} cm, heading held to {plan.yaw_deg:g} "
             f"degrees, flown back and forth; {len(survey.ledger.accepted)} edges accepted of {len(survey.edges)} "
             "measured. "
-            "Columns are not told. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
+            "No columns are given. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
             "few edges as there are (figure 17) keeps them together; least squares over all of them comes last. Errors "
             "are those of the frames' centres after the best similarity.")
     bars = (Bar("frames in one piece, share", len(piece.stored) / len(flown.frames), ">=", 1.0),

@@ -174,8 +174,8 @@ def _real(board: BoardBase, out: Path, quick: bool, progress: Progress) -> list[
         shown.append(figure(np.asarray(cv2.resize(picture, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
                                        np.uint8), run))
     heads = ("survey", "frames in one piece", "edges", "SIFT residual: mean, px", "median, px", "georef RMS, cm")
-    text = ("Columns are not told: the frames are taken in their order, all neighbours linked, all placed by least "
-            "squares. Residuals are means over the quarter points of each pair's frame.")
+    text = ("No columns are given: the frames are taken in order, edges to all neighbours are measured, and all are "
+            "placed by least squares. Residuals are means over the quarter points of each pair's frame.")
     return [Section("Real surveys", paragraph(text) + row(shown) + table(heads, lines), tuple(bars))]
 
 

@@ -1,5 +1,4 @@
-"""How far poses are from the truth: absolute and relative error as trajectories are judged (APE, RPE), and the truth's
-table.
+"""Absolute and relative error of poses against the truth (APE, RPE), and the truth's table.
 
 Positions are complex numbers x + iy with y down, as pixels have it; east and north become east - i north.
 """
@@ -20,12 +19,14 @@ from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
 
 ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
-"""Of `accuracy.csv`: statistics over frames (APE) or consecutive frames (RPE)."""
+"""Columns of `accuracy.csv`: statistics over frames (APE) or consecutive frames (RPE)."""
 FRAME_COLUMNS = "frame", "name", "image", "file", "filename"
+"""Names of the column with the frame's name; the first one found is used."""
 EAST_COLUMNS = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
 NORTH_COLUMNS = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
 PIXEL_COLUMNS = ("x_px", "y_px")
 HEADING_COLUMNS = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
+"""Names of the columns with the heading; as above, the first name found is used."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,11 +115,11 @@ class PoseErrors:
     """Errors against the truth.
 
     Attributes:
-        frames: those both know, in order.
+        frames: those in both, in order.
         onto: plane of the poses -> truth.
         ape: (n,) distance of each from its true place after the alignment, in the truth's unit.
-        rpe: (n - 1,) distance by which the way from each to the next is off, after the alignment, same unit.
-        turn: (n - 1,) degrees by which the turn from each to the next is off; empty without headings.
+        rpe: (n - 1,) error of the displacement from each to the next, after the alignment, same unit.
+        turn: (n - 1,) error of the rotation from each to the next, degrees; empty without headings.
     """
 
     frames: list[str]

@@ -17,15 +17,16 @@ from signum.common.arrays import Floats, Image
 from signum.geometry.similarity import Similarity, corners
 
 MOST_PIXELS = 100_000_000
-"""Of a mosaic; a larger one is made at a smaller scale."""
+"""Most pixels of a mosaic; a larger one is made at a smaller scale."""
 SEAM_PIXELS, ALL_SEAM_PIXELS = 100_000, 24_000_000
-"""Size to which a frame is scaled to look for seams, and of all frames together."""
+"""Most pixels of a frame scaled to find seams, and of all frames together."""
 LOCAL_GAINS = 24
-"""Frames up to which light is evened out within frames by their overlaps; their number of unknowns explodes. Beyond,
-what all frames have in common, the light cone, is divided out instead."""
+"""Most frames whose exposure is compensated in blocks from their overlaps, as the cost grows steeply with the number of
+frames. With more frames their mean brightness pattern, the light cone, is divided out instead."""
 BLOCK, MARGIN = 4096, 128
-"""Pixels of the mosaic blended at a time, and around them, where bands reach across."""
+"""Side of the blocks blended at a time, and the margin over which the bands extend, pixels of the mosaic."""
 BANDS = 4
+"""Bands of the blender."""
 RIM = 2
 """Pixels left out along the frames' edges, where cameras and scanners leave marks."""
 
@@ -171,7 +172,7 @@ def _match(pictures: Sequence[Image], places: Sequence[Similarity]) -> list[_Mat
             shrink = min(1.0, float(np.sqrt(min(SEAM_PIXELS, ALL_SEAM_PIXELS / len(places)) / area)))
         less = Similarity(complex(shrink)) @ place
         colour = _lit(_coloured(picture), light)
-        if less.scale < 0.7:  # a warp alone would take every so-manieth pixel
+        if less.scale < 0.7:  # a warp alone would alias
             size = [max(8, round(n * less.scale)) for n in picture.shape[1::-1]]
             reduced = np.asarray(cv2.resize(colour, size, interpolation=cv2.INTER_AREA), np.uint8)
             less, colour = less @ Similarity(complex(picture.shape[1] / size[0])), reduced

@@ -1,4 +1,4 @@
-"""A measured edge between two frames, and its row in `edges.csv`, from which it can be read back."""
+"""An edge of the pose graph, measured between two frames, and its row in `edges.csv`."""
 
 from __future__ import annotations
 
@@ -15,28 +15,29 @@ from signum.tables.schemas import EDGES
 
 SURVEY_EDGES = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed",
                 "tried", "reason")
-"""Of a survey's `edges.csv`: the columns of every mosaic's, then how the edge came about, turn and zoom from a to b,
-centroid (in a), spread and residual of the windows that agree, original pixels, their number, how many were tried."""
+"""Columns of a survey's `edges.csv`: those of `EDGES`, the kind of edge, rotation and scale from a to b, centroid (in
+a), spread and residual of the windows that agree, original pixels, their number, the number tried, and the reason of a
+refusal."""
 
 SEQUENCE = "sequence"
-"""To the frame stored last, or one of the few before it."""
+"""Kind of an edge to the frame stored last, or one of the few before it."""
 LIVE = "live"
-"""The same, of a frame of a stream that is placed but not stored."""
+"""Kind of an edge to the frame stored last from a frame of a stream that is placed but not stored."""
 LOOP = "loop"
-"""Proposed from the predicted overlap."""
+"""Kind of an edge proposed from the predicted overlap."""
 JOIN = "join"
-"""Between two pieces, without a prediction."""
+"""Kind of an edge between two pieces."""
 
 
 @dataclass(frozen=True)
 class Edge:
-    """Where frame b sees what frame a sees; of refused edges the figures are what was refused, not to be used.
+    """Where frame b shows what frame a shows; the figures of a refused edge are for the record only.
 
     Attributes:
         similarity: original pixels of a -> of b.
         centre: of the frames, original pixels; `shift` of the table is measured there.
         middle, spread_px, rms_px, score, margin, agreed, tried, accepted, reason: see `Registration`.
-        spread_px: 0 where rotation and zoom were not measured.
+        spread_px: 0 where rotation and scale were not measured.
     """
 
     frame_a: str

@@ -1,7 +1,7 @@
 """Where on earth a mosaic is: scale from the camera's range, place from a navigation log; world files and GeoTIFF.
 
-GeoTIFF 1.1 (OGC 19-008): ModelPixelScale, ModelTiepoint and the GeoKeys that say what the numbers mean. The mosaic is
-turned north up where north is known, so that those tags can say it all.
+GeoTIFF 1.1 (OGC 19-008): ModelPixelScale, ModelTiepoint and the GeoKeys that define the numbers. The mosaic is
+turned north up where north is known, so that these tags describe it fully.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ PIXEL_SCALE, TIEPOINT, GEO_KEYS, GEO_TEXT, NO_DATA = 33550, 33922, 34735, 34737,
 MODEL_TYPE, RASTER_TYPE, CITATION, PROJECTED, UNITS = 1024, 1025, 1026, 3072, 3076
 """GeoKeys: GTModelType, GTRasterType, GTCitation, ProjectedCRS, ProjLinearUnits."""
 PROJECTED_MODEL, PIXEL_IS_AREA, USER_DEFINED, METRE = 1, 1, 32767, 9001
+"""Values of GeoKeys."""
 OUTLIER = 3.0
-"""Times the usual distance at which a fix is left out."""
+"""Factor of the usual distance beyond which a fix is left out."""
 PAIRED = 40
-"""Fixes tried in pairs."""
+"""Most fixes of which all pairs are tried."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ def ground_by_range(range_m: float, focal_px: float, centre: tuple[float, float]
 
 
 def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
-    """Scale, turn and place from a navigation log, fixes that are far off left out.
+    """Scale, rotation and place from a navigation log, without outlying fixes.
 
     Raises:
         SignumError: if it knows fewer than two of the frames, or is in pixels.
@@ -98,7 +99,7 @@ def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
 
 
 def _least_median(z: Complexes, w: Complexes) -> Similarity:
-    """The similarity through two points whose median miss is least: half of the fixes may be wrong."""
+    """The similarity through two points whose median miss is is least: up to half of the fixes may be wrong."""
     chosen = np.unique(np.linspace(0, len(z) - 1, min(len(z), PAIRED)).astype(int))
     best, least = align(z, w), np.inf
     for i in chosen:

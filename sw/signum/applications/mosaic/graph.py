@@ -1,15 +1,15 @@
 """Pose graph: every frame's similarity by robust least squares over all edges at once.
 
-A frame's pose takes its pixels p to the mosaic plane: f p + t, in complex numbers. An edge says where b sees what a
-sees, S: with c the centroid of the windows it rests on and s their spread, it asks for two complex numbers to be zero,
+A frame's pose takes its pixels p to the mosaic plane: f p + t, in complex numbers. An edge is a similarity S from
+pixels of a to pixels of b. With c the centroid of its windows and s their spread, it has two complex residuals,
 
-    (f_a c + t_a - t_b) / f_b - S(c)        the centroid lands where it was seen,
-    s (f_a / f_b - S')                      and so do the windows about it, in rotation and zoom,
+    (f_a c + t_a - t_b) / f_b - S(c)        the displacement of the centroid,
+    s (f_a / f_b - S')                      that of the windows about it, by rotation and scale,
 
-which together are, to first order, the sum over its windows. Both are analytic in the poses, so Gauss-Newton runs on
-complex sparse matrices with half the unknowns. They are measured in pixels of frame b, not of the plane: in the plane
-the fit would gain by shrinking what it cannot make agree. Edges that the others outvote lose their weight
-(Geman-McClure, in units of the misfit all edges have).
+whose squares are, to first order, the mean square over its windows. Both are analytic in the poses, so Gauss-Newton
+runs on complex sparse matrices with half the unknowns. They are measured in pixels of frame b, not of the plane: in the
+plane the fit would reduce its residuals by shrinking frames that do not agree. Edges that contradict the others lose
+weight (Geman-McClure, in units of the usual misfit).
 """
 
 from __future__ import annotations
@@ -27,15 +27,17 @@ from signum.common.arrays import Complexes, Floats
 from signum.geometry.similarity import IDENTITY, Similarity
 
 FLOOR_PX = 1.0
-"""Error of a window beside what its edge's residual shows, original pixels: half a pixel of the board and a bit."""
+"""Error of a window in addition to the residual of its edge, original pixels: a little over half a board pixel."""
 TOGETHER = 4.0
-"""Windows overlap by half each way, and relief moves neighbours alike: so many of them count as one."""
+"""Number of windows that count as one: they overlap by half each way, and relief displaces neighbours alike."""
 LEAST_SPREAD = 0.05
-"""Spread given to edges that did not measure rotation, as a fraction of the frame: enough to hold an angle."""
+"""Spread assumed for edges without a measured rotation, as a fraction of the frame: enough to fix the angle."""
 ROBUST = 3.0
-"""Default of `solve_graph`'s `outvoted`."""
+"""Default of `outvoted` in `solve_graph`."""
 MOST_STEPS = 40
+"""Most Gauss-Newton steps."""
 CONVERGED = 1e-3
+"""Change of every translation, pixels, below which the steps end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +45,10 @@ class Solution:
     """Placed frames.
 
     Attributes:
-        places: pixels of each frame -> plane of the first; only of frames that hang together with it.
-        weights: of the edges given, in order, 0..1: how far the others bear each out.
-        misfit_px: of the same, pixels of frame b.
-        usual: misfit of the edges in units of what they claim; 1 where nothing can be told, else at least that.
+        places: pixels of each frame -> plane of the first; only of frames connected to it.
+        weights: of the edges given, in order, 0..1; low where the others contradict an edge.
+        misfit_px: of the same edges, pixels of frame b.
+        usual: median misfit of the edges in units of their predicted one, at least 1; 1 without redundant edges.
     """
 
     places: dict[str, Similarity]
@@ -76,7 +78,7 @@ class Solution:
 
 
 def precision(edge: Edge) -> float:
-    """1 / variance of what an edge says of its centroid, each axis, 1/pixels^2."""
+    """1 / variance of an edge's displacement at its centroid, each axis, 1/pixels^2."""
     return max(edge.agreed, 1) / TOGETHER / (edge.rms_px**2 / 2 + FLOOR_PX**2)
 
 
@@ -105,7 +107,7 @@ def chain(first: str, edges: Sequence[Edge], order: Mapping[int, float] | None =
 
 def solve_graph(first: str, edges: Sequence[Edge], size: tuple[int, int],
           start: Mapping[str, Similarity] | None = None, outvoted: float = ROBUST) -> Solution:
-    """Place all frames that hang together with the first.
+    """Place all frames connected to the first.
 
     Args:
         first: the frame whose pose is the identity.
@@ -131,7 +133,7 @@ def solve_graph(first: str, edges: Sequence[Edge], size: tuple[int, int],
         residual, matrix = system.linear(poses)
         claimed = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) * system.precision / 4)
         usual = max(1.0, float(np.median(claimed)) / 0.92) if system.redundant else 1.0
-        # Begin with nothing outvoted: weights need poses that are about right.
+        # All edges have full weight at first: robust weights need approximate poses.
         robust = 1 / (1 + (claimed / (outvoted * usual)) ** 2) ** 2 if turn > 1 and system.redundant else robust
         power = np.repeat(system.precision * robust, 2)
         weighted = matrix.conj().T.multiply(power).tocsc()

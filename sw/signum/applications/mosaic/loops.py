@@ -1,4 +1,4 @@
-"""Looks for edges beside the sequence: between frames whose predicted overlap is large enough, and between pieces."""
+"""Finds edges beside the sequence: between frames whose predicted overlap is large enough, and between pieces."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from signum.geometry.similarity import IDENTITY, Similarity, overlap
 
 
 class Loops:
-    """Proposes, measures and judges edges, and notes them in a ledger.
+    """Proposes, measures and checks edges, and notes them in a ledger.
 
     Attributes:
-        tried: pairs measured already, with where the second was expected to see the first.
+        tried: pairs measured already, with the prediction used: pixels of the first -> of the second.
     """
 
     def __init__(self, ledger: Ledger) -> None:
@@ -33,7 +33,7 @@ class Loops:
         Args:
             piece: the frame's.
             name: the frame.
-            by: the edge that has just placed it, which the solution does not know yet.
+            by: the edge that has just placed it, which is not yet in the solution.
         """
         wanted = []
         order = {stored: k for k, stored in enumerate(piece.stored)}
@@ -51,7 +51,7 @@ class Loops:
             if share >= self._settings.overlap:
                 wanted.append((share, pair))
         wanted.sort(key=lambda one: -one[0])
-        # Where frames lie close, edges to two that are side by side say the same: they are to come from all around.
+        # Edges to two frames that lie close together are redundant: those chosen come from all directions.
         near = self._settings.apart * min(self._size) * here.scale
         taken = [piece.places[partner](np.array(self._centre)) for partner in self._ledger.partners.get(name, ())
                  if partner in piece.places]
@@ -67,7 +67,7 @@ class Loops:
         return found
 
     def _try(self, piece: Piece, pair: tuple[str, str], by: Edge | None) -> bool:
-        """Measure a proposed edge of a piece, and believe it if it lands where the poses allow."""
+        """Measure a proposed edge of a piece; it is accepted if it agrees with the poses."""
         a, b = pair
         predicted = piece.places[b].inverse @ piece.places[a]
         point = self._common(predicted)
@@ -78,7 +78,7 @@ class Loops:
         return edge.accepted
 
     def _common(self, predicted: Similarity) -> tuple[float, float]:
-        """The middle of what two frames have in common, pixels of a."""
+        """The centre of the overlap of two frames, pixels of a."""
         middle = (np.array(self._centre) + predicted.inverse(np.array(self._centre))) / 2
         return float(middle[0]), float(middle[1])
 
@@ -93,7 +93,7 @@ class Loops:
         return math.hypot(known, piece.solution.usual * math.hypot(1.0, lever) / math.sqrt(precision(by)))
 
     def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Edge:
-        """Measure an edge around its prediction; refused where it lands farther off than the prediction may be."""
+        """Measure an edge around its prediction; refused if it differs by more than the uncertainty allows."""
         slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
         reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
         near = reach <= self._settings.farthest
@@ -115,7 +115,7 @@ class Loops:
         """Look for an edge from a frame of the last piece to the others; returns how many were accepted."""
         late = self._ledger.piece_of(name)
         others = [(piece, other) for piece in self._ledger.pieces if piece is not late for other in piece.stored]
-        # Where columns turn, the frames after a break lie beside those as long before it; and a few from everywhere.
+        # Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
         place = late.stored.index(name)
         beside = others[::-1][place : place + self._settings.joins // 2]
         spread = [others[round(i)] for i in np.linspace(0, len(others) - 1, self._settings.joins)]
@@ -137,7 +137,7 @@ class Loops:
         return found
 
     def _confirm(self, join: Edge) -> int:
-        """Believe an edge between two pieces if a second one, where the first says it must be, is found too.
+        """Accept an edge between two pieces if at least half of the other edges that it predicts are found too.
 
         Returns:
             Edges accepted: 0, or 2 and more.
@@ -164,7 +164,7 @@ class Loops:
             return 0
         if 2 * len(good) < len(edges):
             self._doubtful.remove(join)
-            self._ledger.note(replace(join, accepted=False, reason="not borne out where others had to be"))
+            self._ledger.note(replace(join, accepted=False, reason="not confirmed by the other edges it predicts"))
             return 0
         for edge in (join, *edges):
             self._ledger.note(edge)
@@ -174,16 +174,16 @@ class Loops:
         return 1 + len(good)
 
     def exhaust(self, piece: Piece) -> Iterator[str]:
-        """Look again for the edges of a piece that its poses now predict, until there are no more; tells of each
-        frame."""
+        """Look again for the edges of a piece that its poses now predict, until there are no more; yields a phrase for
+        each frame."""
         for _ in range(3):
-            linked = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
+            connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
             for pair, before in list(self.tried.items()):
-                if pair[0] in piece.places and pair[1] in piece.places and pair not in linked:
+                if pair[0] in piece.places and pair[1] in piece.places and pair not in connected:
                     now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
                     off = float(np.hypot(*(now(np.array(self._centre)) - before(np.array(self._centre)))))
                     if off > self._settings.relief * max(self._size):
-                        del self.tried[pair]  # it was looked for elsewhere
+                        del self.tried[pair]  # it was searched for elsewhere
             found = 0
             for name in list(piece.stored):
                 found += self.propose(piece, name)

@@ -1,4 +1,4 @@
-"""What a survey keeps on disk while it runs, so that it can go on after a crash: stored frames, edges, what it is.
+"""What a survey keeps on disk while it runs, so that it can continue after a crash: stored frames, edges, options.
 
     run.json     what was asked for, and whether it was finished
     frames/      the stored frames, PNG
@@ -27,13 +27,13 @@ from signum.common.errors import SignumError
 from signum.measure.register import Prepared, Registrar
 
 MADE = "mosaic*.png", "mosaic*.tif", "mosaic*.pgw", "poses*.csv", "accuracy*.csv"
-"""Files made from those."""
+"""Files made from the stored frames and edges."""
 KEPT = 48
-"""Frames held in memory as the board sees them."""
+"""Prepared frames held in memory."""
 
 
 class ResumeError(SignumError):
-    """A survey that cannot be gone on with."""
+    """A survey that cannot be continued."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +77,14 @@ class Shelf:
         self._prepared: OrderedDict[str, Prepared] = OrderedDict()
 
     def clear(self) -> None:
-        """Take away what an earlier run left."""
+        """Remove the files of an earlier run."""
         for old in (*self.frames.glob("*.png"), self._starts, self.folder / "edges.csv"):
             old.unlink(missing_ok=True)
         for old in (file for kind in MADE for file in self.folder.glob(kind)):
             old.unlink()
 
     def save(self, name: str, picture: Image) -> None:
-        """Keep a frame."""
+        """Store a frame."""
         write_picture(self._path(name), picture)
 
     def start(self, name: str) -> None:
@@ -104,7 +104,7 @@ class Shelf:
         return self.frames / "starts.txt"
 
     def picture(self, name: str) -> Image:
-        """A kept frame.
+        """A stored frame.
 
         Raises:
             ResumeError: if it is gone.
@@ -115,7 +115,7 @@ class Shelf:
         return np.asarray(picture, np.uint8)
 
     def prepared(self, name: str, registrar: Registrar, known: Prepared | None = None) -> Prepared:
-        """A kept frame as the board sees it; `known` spares the work where it has just been done."""
+        """A stored frame as the board sees it; `known` is the result where it is at hand."""
         found = known or self._prepared.pop(name, None) or registrar.prepare(self.picture(name))
         self._prepared[name] = found
         while len(self._prepared) > KEPT:
@@ -123,7 +123,7 @@ class Shelf:
         return found
 
     def pictures(self, names: Sequence[str]) -> Sequence[Image]:
-        """Kept frames as a sequence that reads each when it is asked for."""
+        """Stored frames as a sequence that reads each when it is asked for."""
         return _Pictures(self, names)
 
     def _path(self, name: str) -> Path:
@@ -134,7 +134,7 @@ class Shelf:
         write_text(self.folder / "run.json", json.dumps({**asdict(run), "finished": finished}, indent=1) + "\n")
 
     def described(self) -> tuple[SurveyRun, bool] | None:
-        """What `run.json` says: the run, and whether it was finished; None where there is none that can be read."""
+        """The run in `run.json`, and whether it was finished; None if there is none that can be read."""
         try:
             values = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
             finished = bool(values.pop("finished"))
@@ -151,7 +151,7 @@ class _Pictures(Sequence[Image]):
     def __len__(self) -> int:
         return len(self._names)
 
-    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # slices are not asked for
+    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # no slices are used
         return self._shelf.picture(self._names[index])
 
     def __iter__(self) -> Iterator[Image]:
@@ -159,13 +159,13 @@ class _Pictures(Sequence[Image]):
 
 
 def write_picture(path: Path, picture: Image) -> None:
-    """Write a PNG so that the file is always a whole one."""
+    """Write a PNG atomically."""
     _, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
     _replace(path, data.tobytes())
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file so that it is always a whole one."""
+    """Write a text file atomically."""
     _replace(path, text.encode())
 
 

@@ -1,6 +1,6 @@
 """Simulated surveys: frames on a grid of rows and columns over a seafloor, taken by a vehicle that wobbles, with truth.
 
-The vehicle holds heading and height as well as compass and altimeter let it: yaw, height, roll, pitch and place differ
+Heading and height are held within the accuracy of compass and altimeter: yaw, height, roll, pitch and place differ
 from the plan by independent zero-mean amounts from frame to frame, as they do between snapshots taken seconds apart.
 Columns run north, the first to the west; row 0 is the southern one. Truth of a frame is where its centre looks.
 """
@@ -21,7 +21,7 @@ from signum.world.water import Water
 from signum.world.world import World
 
 QUILT_PATCH = 96
-"""Pixels of the finest texture."""
+"""Side of the patches a floor is quilted from, pixels of the finest texture."""
 Cell = tuple[int, int]
 """Row, column."""
 
@@ -102,10 +102,10 @@ def back_and_forth(rows: int, columns: int) -> list[Cell]:
 
 
 def seafloor(extent: float, relief: float, texel: float, seed: int, feature: float = 0.8) -> Seafloor:
-    """A floor on which nothing recurs that is large enough to be taken for another place.
+    """A floor on which no recurring texture is large enough to be mistaken for another place.
 
-    The photograph is a small one for a whole survey, so its patches do recur: in pieces smaller than a frame's windows
-    reach apart, and turned and mirrored.
+    The photograph is small for a whole survey, so its patches recur, but they are smaller than the span of a frame's
+    windows, and turned and mirrored.
     """
     floor = Seafloor(extent=extent, relief=relief, feature=feature, texel=texel, seed=seed)
     rng = np.random.default_rng([seed, 9])

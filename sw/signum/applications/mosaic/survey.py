@@ -62,7 +62,9 @@ class Survey:
         self.done: set[str] = set()
         self._every, self._updated_at, self._update_took = every, time.monotonic(), 0.0
         self._lost = 0
-        self._forget_motion()
+        self._seen: Similarity | None = None
+        self._before: Similarity | None = None
+        self._last: tuple[Frame, Prepared, Edge] | None = None
         if resume:
             self._resume()
         else:
@@ -154,9 +156,7 @@ class Survey:
 
     def _forget_motion(self) -> None:
         """Drop the last motion of a stream and its last frame that is not stored."""
-        self._seen: Similarity | None = None
-        self._before: Similarity | None = None
-        self._last: tuple[Frame, Prepared, Edge] | None = None
+        self._seen = self._before = self._last = None
 
     def _predict(self) -> Similarity:
         """Where the next live frame should see the stored one, at the velocity of the last two."""
