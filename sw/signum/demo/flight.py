@@ -13,7 +13,7 @@ from signum.measure.track import TrackPoint
 
 CAMERA_SIZE, CAMERA_FOCAL = (256, 192), 280.0
 """Of the demonstration's camera, pixels."""
-HEIGHT_M = 2.0
+FLIGHT_HEIGHT_M = 2.0
 """Height over the floor, metres."""
 DT = 0.2
 """Seconds between two frames, but for station keeping."""

@@ -28,9 +28,9 @@ from signum.demo.flight import (
     COLUMN_IMAGES,
     DT,
     FEATURES,
+    FLIGHT_HEIGHT_M,
     FLOW_FRAMES,
     FREE_SECONDS,
-    HEIGHT_M,
     HELD_SECONDS,
     TRACKED,
     DemoFlight,
@@ -82,7 +82,7 @@ def run_demo(board: Board, out: Path, sigma: float, window: int, progress: Progr
     out.mkdir(parents=True, exist_ok=True)
     flight = DemoFlight(board.name, sigma, window)
     camera = Pinhole(CAMERA_SIZE, CAMERA_FOCAL)
-    pixel = HEIGHT_M / CAMERA_FOCAL
+    pixel = FLIGHT_HEIGHT_M / CAMERA_FOCAL
     floor = Seafloor(extent=1024 * pixel, texel=pixel, quilted=False)
     with _phase(flight, board, "filter", progress, 3) as step:
         _filter(flight, board, camera, floor, step)
@@ -131,7 +131,7 @@ def _track(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, o
            step: Callable[[str], None]) -> None:
     current = Current(steady=DRIFT_M_S, surge=(0.03, 0.03, 0.01), period=SURGE_PERIOD)
     world = World(floor, SENSOR, current=current, seed=3)
-    vehicle = Vehicle(current=current, position=np.array([-0.6, 0.6, -HEIGHT_M]),
+    vehicle = Vehicle(current=current, position=np.array([-0.6, 0.6, -FLIGHT_HEIGHT_M]),
                       velocity=np.array([*DRIFT_M_S, 0.0, 0.0, 0.0, 0.0]))
     fit = Fit(CAMERA_SIZE, CAMERA_SIZE)
     settings = TrackSettings(window=flight.window, features=FEATURES)
@@ -186,7 +186,7 @@ def _mosaic(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, 
 
     current = Current(steady=(0.05, 0.02), surge=(0.03, 0.015, 0.0), period=SURGE_PERIOD)
     world = World(floor, SENSOR, current=current, seed=1)
-    vehicle = Vehicle(current=current, position=np.array([-2.0, 0.0, -HEIGHT_M]))
+    vehicle = Vehicle(current=current, position=np.array([-2.0, 0.0, -FLIGHT_HEIGHT_M]))
     registrar = Registrar.on(measurer, Fit(CAMERA_SIZE, CAMERA_SIZE), flight.window, flight.sigma)
     taken: list[Sight] = []
     with Survey(registrar, out, settings=SurveySettings(loops=False)) as survey:
@@ -204,7 +204,7 @@ def _mosaic(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, 
 
 def _station(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, step: Callable[[str], None]) -> None:
     for control, seconds, kept in ((True, HELD_SECONDS, flight.held), (False, FREE_SECONDS, flight.free)):
-        scenario = Scenario(seconds, HOLD_RATE, HEIGHT_M, water=SENSOR, level_noise=0.0, seed=2, window=flight.window,
+        scenario = Scenario(seconds, HOLD_RATE, FLIGHT_HEIGHT_M, water=SENSOR, level_noise=0.0, seed=2, window=flight.window,
                             control=control)
         for moment in simulate_hold(lambda size: Measurer(board, size, flight.sigma), scenario, camera, floor):
             kept.append(moment)

@@ -19,17 +19,17 @@ from signum.geometry.similarity import Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query
 from signum.measure.register import ANYTHING
 
-COARSE_SIDE = 160
+SEARCH_SIDE = 160
 """Longer side of the scaled frame, pixels."""
-COARSE_WINDOW = 32
+SEARCH_WINDOW = 32
 """Side of the windows, coarse pixels."""
-COARSE_SIGMA = 1.25
+SEARCH_SIGMA = 1.25
 """Of the LoG, coarse pixels."""
-COARSE_GRID = (5, 4)
+SEARCH_GRID = (5, 4)
 """Windows across and down."""
 TILE_OVERLAP = 56
 """Overlap of tiles, pixels: a window, and a margin for the rotation of the picture."""
-COARSE_MISS_PX = 4.0
+SEARCH_MISS_PX = 4.0
 """Largest residual of a window from the similarity it votes for, coarse pixels."""
 LEAST_VOTES = 3
 """Least number of votes of a candidate."""
@@ -50,7 +50,7 @@ class CoarseSearch:
     def __init__(self, measurer: Callable[[tuple[int, int], float], Measurer], largest: tuple[int, int],
                  frame: tuple[int, int], chart: Chart) -> None:
         self._make = measurer
-        self._shrink = max(1.0, max(frame) / COARSE_SIDE)
+        self._shrink = max(1.0, max(frame) / SEARCH_SIDE)
         self._small = round(frame[0] / self._shrink), round(frame[1] / self._shrink)
         self._chart = chart.shrunk(self._shrink)
         self._tile = (min(largest[0], max(self._chart.size[0], self._small[0])),
@@ -67,7 +67,7 @@ class CoarseSearch:
             rot_deg, zoom: largest rotation and scale beyond those tried.
             most: largest number of candidates.
         """
-        measurer = self._make(self._tile, COARSE_SIGMA)
+        measurer = self._make(self._tile, SEARCH_SIGMA)
         small = np.asarray(cv2.resize(live, self._small, interpolation=cv2.INTER_AREA), np.uint8)
         found: list[tuple[int, Similarity]] = []
         for turn in turns_deg:
@@ -101,8 +101,8 @@ class CoarseSearch:
             small = np.asarray(cv2.warpAffine(small, about.matrix, (width, height), flags=cv2.INTER_LINEAR,
                                               borderMode=cv2.BORDER_REPLICATE), np.uint8)
         inside = cv2.integral(np.asarray(seen > 0, np.uint8))
-        side = min(COARSE_WINDOW, min(self._small) // 2)
-        centres = [c for c in spread(side, self._small, COARSE_GRID) if whole(inside, c, side)]
+        side = min(SEARCH_WINDOW, min(self._small) // 2)
+        centres = [c for c in spread(side, self._small, SEARCH_GRID) if whole(inside, c, side)]
         frame = measurer.view(_padded(small, self._tile))
         p, q = [], []
         for picture, corner in self._tiles:
@@ -121,10 +121,10 @@ def elect(p: Floats, q: Floats, rot_deg: float, zoom: float, most: int) -> list[
     """Similarities p -> q with their votes, each with the most votes among the pairs that the earlier ones leave."""
     out: list[tuple[int, Similarity]] = []
     while len(p) >= LEAST_VOTES and len(out) < most:
-        found, agree = vote(p, q, COARSE_MISS_PX, rot_deg, zoom, 1.5 * COARSE_WINDOW)
+        found, agree = vote(p, q, SEARCH_MISS_PX, rot_deg, zoom, 1.5 * SEARCH_WINDOW)
         if agree.sum() < LEAST_VOTES:
             break
-        out.append((int(agree.sum()), fit(p, q, found, COARSE_MISS_PX, 3.0).similarity))
+        out.append((int(agree.sum()), fit(p, q, found, SEARCH_MISS_PX, 3.0).similarity))
         p, q = p[~agree], q[~agree]
     return out
 
