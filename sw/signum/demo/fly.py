@@ -204,8 +204,8 @@ def _mosaic(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, 
 
 def _station(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, step: Callable[[str], None]) -> None:
     for control, seconds, kept in ((True, HELD_SECONDS, flight.held), (False, FREE_SECONDS, flight.free)):
-        scenario = Scenario(seconds, HOLD_RATE, FLIGHT_HEIGHT_M, water=SENSOR, level_noise=0.0, seed=2, window=flight.window,
-                            control=control)
+        scenario = Scenario(seconds, HOLD_RATE, FLIGHT_HEIGHT_M, water=SENSOR, level_noise=0.0, seed=2,
+                            window=flight.window, control=control)
         for moment in simulate_hold(lambda size: Measurer(board, size, flight.sigma), scenario, camera, floor):
             kept.append(moment)
             step(f"{100 * float(np.hypot(*moment.truth[:2])):.1f} cm off" + ("" if control else ", drifting free"))
