@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Gains:
-    """Output per unit of error, of its integral and of its rate; limits of the output and of its change a second.
+    """Output per unit of error, of its integral and of its rate; limits of the output and of its change per second.
 
     The defaults turn a position error in metres into a velocity in m/s for a vehicle whose velocity follows its command
-    with a lag of 0.4 s. Tuned by cancelling that lag: rate gain = lag x proportional gain leaves a first-order loop,
-    whose gain is then set for a bandwidth of half a hertz, ten times below a frame rate of 5 Hz; the integral takes out
-    what the current leaves, with a time of one second.
+    with a lag of 0.4 s. They cancel that lag: rate gain = lag x proportional gain leaves a first-order loop, whose gain
+    is set for a bandwidth of half a hertz, a tenth of a frame rate of 5 Hz; the integral, of a time of one second,
+    removes the error that the current leaves.
     """
 
     proportional: float = 3.0
@@ -24,7 +24,7 @@ class Gains:
 
 @dataclass
 class Pid:
-    """One axis. The integral rests while the output is at its limit, on the way to a far goal for instance."""
+    """The controller of one axis. The integral is frozen while the output is at its limit."""
 
     gains: Gains = Gains()
     output: float = 0.0
@@ -35,8 +35,8 @@ class Pid:
         """The next output for an error (wanted minus measured), `dt` seconds after the call before.
 
         Args:
-            rate: of the error, where it is known better than by its change, or the error given is a clipped one.
-            learn: whether the integral goes on.
+            rate: of the error; None to compute it from the errors, which is wrong for a clipped error.
+            learn: False freezes the integral.
         """
         g = self.gains
         if rate is None:
@@ -52,7 +52,7 @@ class Pid:
         return self.output
 
     def hold(self) -> float:
-        """No measurement: keep only what the integral has learnt of the current."""
+        """The output without a measurement: that of the integral, which balances the current."""
         g = self.gains
         self._last = None
         self.output = min(max(g.integral * self._sum, -g.limit), g.limit)

@@ -11,13 +11,14 @@ from typing import Annotated
 
 import typer
 
-from signum.applications.follow.follower import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye, State, Target
+from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye
+from signum.applications.follow.follower import State, Target
+from signum.applications.follow.judge import ChaseRow, judge_chase
 from signum.applications.follow.page import draw_chase, draw_states, follow_bars, follow_section
 from signum.applications.follow.pilot import Where
 from signum.applications.follow.record import FollowRecord
-from signum.applications.follow.simulate import Chase, Row, judge
-from signum.applications.follow.simulate import follow as chase_fish
-from signum.applications.follow.watch import watch
+from signum.applications.follow.simulate import Chase, simulate_chase
+from signum.applications.follow.watch import watch_fish
 from signum.commands.app import command
 from signum.commands.options import (
     BOARD,
@@ -112,11 +113,11 @@ def follow(
 
 def _chase(run: Session, chase: Chase, film: bool) -> None:
     """The closed loop."""
-    camera, rows = Pinhole(), list[Row]()
+    camera, rows = Pinhole(), list[ChaseRow]()
     record = _record(run, FollowRecord(run.output, True, chase.rate, film, max(2.0, chase.seconds / 6)))
 
     def report() -> None:
-        figures = judge(rows, chase.rate, min(5.0, chase.seconds / 2))
+        figures = judge_chase(rows, chase.rate, min(5.0, chase.seconds / 2))
         bars = follow_bars(chase.where, figures)
         about = (f"A simulated fish in turbid water, {chase.where}; a pan/tilt follows it, the vehicle follows the "
                  f"pan/tilt; seed {chase.seed}.")
@@ -129,10 +130,10 @@ def _chase(run: Session, chase: Chase, film: bool) -> None:
             out.print(str(bar), markup=False)
 
     out.print(f"seed {chase.seed}")
-    glimpses = chase_fish(run.measurer, chase, camera)
+    glimpses = simulate_chase(run.measurer, chase, camera)
     for k, g in enumerate(run.steps("following", glimpses, round(chase.seconds * chase.rate))):
         record.add(str(k), g.time, g.target, g.frame, truth=(*g.truth, g.range_m, *(degrees(a) for a in g.head)))
-        rows.append(Row.of(g, camera))
+        rows.append(g.row(camera))
         run.report = report
         run.tell(str(g.target.state))
 
@@ -165,7 +166,7 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
             shown[:] = pair[:1]
             yield pair
 
-    for k, target in enumerate(run.steps("following", watch(eye, pictures()), total)):
+    for k, target in enumerate(run.steps("following", watch_fish(eye, pictures()), total)):
         record.add(names[-1], k / rate, target, shown[0], fit.factor)
         run.report = report
         run.tell(_word(target))

@@ -12,13 +12,13 @@ import cv2
 import numpy as np
 import typer
 
+from signum.applications.hold.judge import judge_hold_rows
 from signum.applications.hold.mavlink import MavlinkSink
-from signum.applications.hold.meter import Reading
 from signum.applications.hold.page import hold_bars, hold_section
+from signum.applications.hold.reading import Reading
 from signum.applications.hold.record import HoldRecord
-from signum.applications.hold.simulate import SURGE, Scenario, judge_rows
-from signum.applications.hold.simulate import hold as fly
-from signum.applications.hold.watch import watch
+from signum.applications.hold.simulate import SURGE, Scenario, simulate_hold
+from signum.applications.hold.watch import watch_station
 from signum.commands.app import command
 from signum.commands.options import (
     SIMULATION,
@@ -155,7 +155,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
         about = (f"A simulated vehicle {scenario.range_m:g} m above the floor, current "
                  f"{scenario.current.steady[0]:g} m/s with surge, {scenario.water.snow} snow flakes in view, light "
                  f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
-        figures = judge_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
+        figures = judge_hold_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
         bars = hold_bars(figures)
         write_page(run.output / "report.html", "Station keeping",
                    [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)])
@@ -163,7 +163,8 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
             out.print(str(bar), markup=False)
 
     out.print(f"seed {scenario.seed}")
-    for k, m in enumerate(run.steps("holding", fly(run.measurer, scenario), round(scenario.seconds * scenario.rate))):
+    moments = simulate_hold(run.measurer, scenario)
+    for k, m in enumerate(run.steps("holding", moments, round(scenario.seconds * scenario.rate))):
         record.add(str(k), m.time, m.reading, m.frame, m.features,
                    truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
         rows.append(m.row)
@@ -199,7 +200,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
 
     pictures = islice(run.frames(), total if seconds is not None else None)
     window = run.chosen.window
-    seen_ones = watch(run.measurer(fit.board), pictures, fit, focal, range_m, rate, window)
+    seen_ones = watch_station(run.measurer(fit.board), pictures, fit, focal, range_m, rate, window)
     for seen in run.steps("measuring", seen_ones, total):
         record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
         run.report = report

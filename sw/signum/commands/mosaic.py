@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from signum.applications.mosaic.accuracy import ACCURACY, Track, accuracy_rows, pose_errors, read_track
+from signum.applications.mosaic.accuracy import Track, accuracy_rows, pose_errors, read_track
 from signum.applications.mosaic.georeference import Georeference, ground_by_log, ground_by_range
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import CURVED, SurveySettings
@@ -25,6 +25,7 @@ from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.geometry.calibration import read_mono
 from signum.measure.register import Registrar
+from signum.tables.schemas import ACCURACY
 from signum.tables.table import Table
 
 LIVE_EVERY = 2.0

@@ -13,10 +13,11 @@ import cv2
 import numpy as np
 import typer
 
+from signum.applications.navigate.aim import Aim, TargetFinder
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
-from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
-from signum.applications.navigate.pilot import Aim, Pilot
+from signum.applications.navigate.localise import Localiser
+from signum.applications.navigate.place import ANY_HEADING, LocaliseLimits, Place
 from signum.commands.app import command
 from signum.commands.options import SIMULATION, BoardOptions, CalibrationOption, OutOption, SeedOption
 from signum.commands.session import Session
@@ -134,27 +135,28 @@ def _recorded(run: Session, chart: Chart, goto: str | None, search: SearchOption
     """Frames from elsewhere."""
     target = None if goto is None else chart.place(goto)
     log = _Log(run, chart, target)
-    limits = Limits(turns_deg=ANY_HEADING) if search.any_heading else Limits()
-    pilot = Pilot(_localiser(run, run.fit, chart, run.chosen.window, run.chosen.sigma, limits), target, patience=0)
+    limits = LocaliseLimits(turns_deg=ANY_HEADING) if search.any_heading else LocaliseLimits()
+    localiser = _localiser(run, run.fit, chart, run.chosen.window, run.chosen.sigma, limits)
+    finder = TargetFinder(localiser, target, patience=0)
     run.summary = lambda: (f"{run.folder / 'navigate.csv'}: {sum(p.known for p in log.places)} of {len(log.places)} "
                            "frames found")
     for frame in run.steps("navigate", run.frames(), run.source.count):
         if not search.prior:
-            pilot.forget()
-        aim = pilot.look(frame.picture)
+            finder.forget()
+        aim = finder.look(frame.picture)
         log.write(frame.name, frame.size, aim)
         run.tell(_word(aim))
 
 
 def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: str | None) -> None:
     """A survey by a simulated camera, then its way to the target."""
-    from signum.applications.navigate.simulate import PanTiltSite, Scene, Step
-    from signum.applications.navigate.truth import SIGMA, WINDOW
-    from signum.applications.navigate.vehicle import Dive, VehicleSite
+    from signum.applications.navigate.simulate.pan_tilt import PanTiltScene, PanTiltSite, Step
+    from signum.applications.navigate.simulate.truth import SURVEY_SIGMA, SURVEY_WINDOW
+    from signum.applications.navigate.simulate.vehicle import Dive, VehicleSite
 
     if (mosaic / "mosaic.png").exists() and not (mosaic / SIMULATED).exists():
         raise SignumError(f"{mosaic}: holds a mosaic that was not simulated; give another folder for the simulated one")
-    site = PanTiltSite(Scene(seed=seed)) if carrier is Carrier.pan_tilt else VehicleSite(Dive(seed=seed))
+    site = PanTiltSite(PanTiltScene(seed=seed)) if carrier is Carrier.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
     (mosaic / SIMULATED).write_text(f"{carrier}, seed {seed}\n", encoding="utf-8")
     notes.print(f"simulated {carrier}, seed {seed}")
@@ -164,7 +166,7 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
         out.print(f"{mosaic / 'mosaic.png'}: {chart.size[0]}x{chart.size[1]}; choose a place of it with --goto X,Y")
         return
     target, size = chart.place(goto), site.size
-    localiser = _localiser(run, Fit(size, size), chart, WINDOW, SIGMA, Limits())
+    localiser = _localiser(run, Fit(size, size), chart, SURVEY_WINDOW, SURVEY_SIGMA, LocaliseLimits())
     rng = np.random.default_rng([seed, 22])
     way = (site.go(localiser, target, site.random_head(rng)) if isinstance(site, PanTiltSite)
            else site.go(localiser, target, site.random_start(rng)))
@@ -182,7 +184,7 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
         run.tell(_word(step.aim))
 
 
-def _localiser(run: Session, fit: Fit, chart: Chart, window: int, sigma: float, limits: Limits) -> Localiser:
+def _localiser(run: Session, fit: Fit, chart: Chart, window: int, sigma: float, limits: LocaliseLimits) -> Localiser:
     largest = run.board.config.max_width, run.board.config.max_height
     return Localiser(run.measurer, largest, fit, chart, window, sigma, limits)
 

@@ -11,8 +11,8 @@ import numpy as np
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.tables.table import Table
-from signum.world.camera import Pinhole
-from signum.world.scenes import BASELINE_M, Still
+from signum.world.camera import BASELINE_M, Pinhole
+from signum.world.scenes import Still
 
 
 class Reel:

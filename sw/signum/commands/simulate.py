@@ -13,10 +13,8 @@ import numpy as np
 import typer
 
 from signum.applications.follow.pilot import Where
-from signum.applications.follow.simulate import Chase
-from signum.applications.follow.simulate import follow as chase_fish
-from signum.applications.hold.simulate import Scenario
-from signum.applications.hold.simulate import hold as keep_station
+from signum.applications.follow.simulate import Chase, simulate_chase
+from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.commands.app import command
 from signum.commands.options import OUTPUT, SIMULATION, BoardName, OutOption, SeedOption
 from signum.commands.reel import Reel, write_calibration
@@ -24,9 +22,10 @@ from signum.commands.session import board_of
 from signum.common.console import out, progress
 from signum.common.errors import SignumError
 from signum.measure.measurer import Measurer
-from signum.sources.simulated import WATERS, SurveyPlan
+from signum.sources.simulated import SurveyPlan
 from signum.world.camera import Pinhole
 from signum.world.scenes import Still, drift, survey, truth_of
+from signum.world.water import WATERS
 
 SIGMA = 2.0
 """Width of the LoG's Gaussian with which a simulated vehicle is steered, pixels."""
@@ -119,12 +118,13 @@ def _stills(kind: Kind, camera: Pinhole, scene: SceneOptions) -> Iterator[Still]
 
         if kind is Kind.hold:
             scenario = Scenario(scene.seconds, scene.rate, scene.height, water=water, seed=seed)
-            for m in keep_station(measurer, scenario, camera):
+            for m in simulate_hold(measurer, scenario, camera):
                 ahead, aside, _, heading = m.truth
                 yield Still(m.time, (m.frame,), truth_of(np.array([ahead, aside, 0.0]), (*m.level, heading),
                                                          m.range_m))
             return
-        for g in chase_fish(measurer, Chase(Where(kind), scene.seconds, scene.rate, water=water, seed=seed), camera):
+        chase = Chase(Where(kind), scene.seconds, scene.rate, water=water, seed=seed)
+        for g in simulate_chase(measurer, chase, camera):
             named = {"north_m": g.position[0], "east_m": g.position[1], "depth_m": g.position[2],
                      "pan_deg": math.degrees(g.head[0]), "tilt_deg": math.degrees(g.head[1]),
                      "fish_x_px": g.truth[0], "fish_y_px": g.truth[1], "fish_range_m": g.range_m}

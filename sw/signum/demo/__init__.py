@@ -1,0 +1,1 @@
+"""`signum demo`: one simulated flight that shows the filter, flow, tracks, a mosaic and station keeping."""

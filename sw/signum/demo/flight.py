@@ -1,4 +1,4 @@
-"""The simulated flight that the demo measures and draws."""
+"""What the demonstration flies, and what it keeps for the report."""
 
 from __future__ import annotations
 
@@ -6,38 +6,29 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from signum.applications.hold.station import Moment
+from signum.applications.hold.judge import Moment
 from signum.common.arrays import Floats, Image
 from signum.measure.flow import FlowField
 from signum.measure.track import TrackPoint
 
-SIZE = 256, 192
-
-
-FOCAL = 280.0
-
-
+CAMERA_SIZE, CAMERA_FOCAL = (256, 192), 280.0
+"""Of the demonstration's camera, pixels."""
+FLIGHT_HEIGHT_M = 2.0
+"""Height over the floor, metres."""
+DT = 0.2
+"""Seconds between two frames, but for station keeping."""
 TRACKED = 20
-
-
+"""Frames of the tracking run."""
 FEATURES = 12
-
-
+"""Largest number of tracked features."""
 FLOW_FRAMES = 4
 """Frames from one picture of the flow field to the other."""
-
-
-IMAGES = 4
-
-
-HELD_SECONDS = 14.0
-
-
-FREE_SECONDS = 3.0
-
-
-DT = 0.2
-
+COLUMN_IMAGES = 4
+"""Stored images of the mosaic."""
+HELD_SECONDS = 7.0
+"""Length of station keeping."""
+FREE_SECONDS = 4.0
+"""Length of the drift that it is compared with."""
 
 
 @dataclass
@@ -50,9 +41,8 @@ class Phase:
     seconds: float = 0.0
 
 
-
 @dataclass
-class Flight:
+class DemoFlight:
     """Everything the report shows.
 
     Attributes:
@@ -61,11 +51,12 @@ class Flight:
         stage: picture and signs of figure 3, both uint8 (H, W).
         snow: (original, its signs, degraded, its signs) of figure 8; agreement: (whole, inner quarter).
         flow: (first frame, second frame, field, true displacement in pixels (dx, dy)).
-        first, last: frames of the tracking run; points of the last; initial: those of the first.
+        flow_errors: of its valid windows, pixels, (n, 2).
+        first, last: frames of the tracking run; points: of the last; initial: of the first.
         errors: of every valid track measurement against the truth, pixels, (n, 2).
         tracked: (measurements of features in view, of them valid).
-        mosaic: the picture; poses: per stored frame (measured, true) position in the mosaic plane, pixels; edges: how
-            many there are and how many are accepted.
+        mosaic: the picture; poses: per stored frame (measured, true) position in the mosaic plane, pixels; edges: their
+            number and that of the accepted ones.
         held: station keeping; free: the same water without control.
     """
 
@@ -77,6 +68,7 @@ class Flight:
     snow: tuple[Image, Image, Image, Image] | None = None
     agreement: tuple[float, float] = (0.0, 0.0)
     flow: tuple[Image, Image, FlowField, tuple[float, float]] | None = None
+    flow_errors: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     first: Image | None = None
     last: Image | None = None
     initial: list[TrackPoint] = field(default_factory=list)

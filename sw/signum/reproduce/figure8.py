@@ -45,7 +45,7 @@ def agreement(before: Image, after: Image) -> tuple[float, float]:
     return float(same.mean()), float(inner.mean())
 
 
-def pictures() -> Iterator[tuple[str, Image]]:
+def photographs() -> Iterator[tuple[str, Image]]:
     """Name and grey picture of 640x480: the photographs, then a frame of each set of real seabed that is at hand."""
     for name in PHOTOGRAPHS:
         yield name, _fitted(getattr(skimage.data, name)())
@@ -115,7 +115,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the marine snow")
     options = parser.parse_args(argv)
     with open_board(options.board) as board:
-        rows = [row for name, picture in pictures() for row in measure(board, name, picture, seed=options.seed)]
+        rows = [row for name, picture in photographs() for row in measure(board, name, picture, seed=options.seed)]
     print(as_text(rows))
     barred = [r for r in rows if r.picture in ("gravel", "grass") and r.sigma == 1.5]
     missed = [r for r in barred if not (r.whole > 0.9 and r.inner > 0.95)]

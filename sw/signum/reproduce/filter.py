@@ -23,7 +23,7 @@ SNOWS = 16
 
 def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Progress) -> list[Section]:
     """The filter's stages on one photograph; figure 8 on all that are at hand."""
-    pictures = list(figure8.pictures())[:2 if quick else None]
+    pictures = list(figure8.photographs())[:2 if quick else None]
     sigmas = (JUDGED_SIGMA,) if quick else figure8.SIGMAS
     snows = 3 if quick else SNOWS
     with open_board() as board, progress("filter", len(pictures) + len(JUDGED) * snows) as tell:

@@ -42,7 +42,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
             for k in range(shifts):
                 shift = rng.uniform(-MOST_PX, MOST_PX, 2)
                 for degraded in (False, True):
-                    pair = [shifted(photograph(name), at) for at in (np.zeros(2), shift)]
+                    pair = [shifted(photograph(name).astype(np.float32), at) for at in (np.zeros(2), shift)]
                     if degraded:
                         pair = [degrade(p, seed + 2 * k + i) for i, p in enumerate(pair)]
                     measurer = Measurer(board, CAMERA.size, SHIFT_SIGMA)

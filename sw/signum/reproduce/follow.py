@@ -6,10 +6,11 @@ from math import degrees
 from pathlib import Path
 
 from signum.applications.follow.follower import State
+from signum.applications.follow.judge import ChaseRow, judge_chase
 from signum.applications.follow.page import draw_chase, follow_bars, follow_section
 from signum.applications.follow.pilot import Where
 from signum.applications.follow.record import FollowRecord
-from signum.applications.follow.simulate import Chase, Row, follow, judge
+from signum.applications.follow.simulate import Chase, simulate_chase
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section
 from signum.reproduce import CONTROL_SIGMA, OpenBoard, Progress
@@ -37,14 +38,14 @@ def _chase(open_board: OpenBoard, out: Path, chase: Chase, progress: Progress) -
     record = FollowRecord(folder, True, chase.rate, often=chase.seconds / 7)
     try:
         with open_board() as board, progress(f"following, {chase.where}", round(chase.seconds * chase.rate)) as tell:
-            for k, g in enumerate(follow(lambda size: Measurer(board, size, CONTROL_SIGMA), chase, camera)):
+            for k, g in enumerate(simulate_chase(lambda size: Measurer(board, size, CONTROL_SIGMA), chase, camera)):
                 record.add(str(k), g.time, g.target, g.frame,
                            truth=(*g.truth, g.range_m, *(degrees(a) for a in g.head)))
-                rows.append(Row.of(g, camera))
+                rows.append(g.row(camera))
                 tell(str(g.target.state))
     finally:
         record.close()
-    f = judge(rows, chase.rate)
+    f = judge_chase(rows, chase.rate)
     facts = [("in view", f"{f.in_view:.1%}"), ("found again", str(f.finds)),
              ("longest time lost, s", f"{f.longest_lost_s:.1f}"), ("target off the fish", f"{f.wrong:.1%}")]
     about = f"A fish that swims, turns and stops, in turbid water with snow; {HOW[chase.where]}. "
@@ -58,7 +59,7 @@ def _chase(open_board: OpenBoard, out: Path, chase: Chase, progress: Progress) -
                           dart_bars(chase, rows))
 
 
-def dart_bars(chase: Chase, rows: list[Row]) -> tuple[Bar, ...]:
+def dart_bars(chase: Chase, rows: list[ChaseRow]) -> tuple[Bar, ...]:
     """The target is reported as lost after the fish darted, and followed again at the end."""
     after = [r for r in rows if r.time >= chase.darts[0]]
     last = [r for r in rows if r.time >= chase.seconds - 5]

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.applications.hold.keeper import Axes
+from signum.applications.hold.judge import judge_hold_rows
+from signum.applications.hold.loops import Axes
 from signum.applications.hold.page import hold_bars, hold_section
 from signum.applications.hold.record import HoldRecord
-from signum.applications.hold.simulate import Scenario, hold, judge_rows
+from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.applications.hold.tuning import PEAK, peaks
 from signum.measure.measurer import Measurer
 from signum.report.page import Bar, Section, paragraph, table
@@ -26,7 +27,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     record, rows = HoldRecord(folder, True, often=seconds / 5), []
     try:
         with open_board() as board, progress("holding", round(seconds * scenario.rate)) as tell:
-            for k, m in enumerate(hold(lambda size: Measurer(board, size, CONTROL_SIGMA), scenario)):
+            for k, m in enumerate(simulate_hold(lambda size: Measurer(board, size, CONTROL_SIGMA), scenario)):
                 record.add(str(k), m.time, m.reading, m.frame, m.features,
                            truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
                 rows.append(m.row)
@@ -34,7 +35,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     finally:
         record.close()
     table_rows = np.array(rows)
-    figures = judge_rows(table_rows, 8.0 if quick else 10.0, scenario.apart)
+    figures = judge_hold_rows(table_rows, 8.0 if quick else 10.0, scenario.apart)
     assert scenario.occluded is not None
     begin, end = scenario.occluded
     blind = table_rows[(table_rows[:, 0] > begin + 0.05) & (table_rows[:, 0] < end - 0.05)]

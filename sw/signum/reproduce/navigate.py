@@ -12,8 +12,8 @@ from matplotlib import pyplot as plt
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
 from signum.applications.navigate.localise import Localiser
-from signum.applications.navigate.simulate import PanTiltSite, Scene, Step, miss
-from signum.applications.navigate.truth import random_target
+from signum.applications.navigate.simulate.pan_tilt import PanTiltScene, PanTiltSite, Step, miss
+from signum.applications.navigate.simulate.truth import random_target
 from signum.boards.board import Board
 from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
@@ -52,12 +52,12 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
     """A mosaic per floor; on each, targets, kidnapped starts and frames of another floor."""
     floors = FLOORS[:1] if quick else FLOORS
     targets, kidnaps, strange = (2, 6, 4) if quick else (TARGETS, KIDNAPS, STRANGE)
-    sweep = (0.27, 0.18) if quick else Scene().sweep
+    sweep = (0.27, 0.18) if quick else PanTiltScene().sweep
     tally, shown = Tally(), []
     with progress("navigate", len(floors) * (1 + targets + kidnaps + strange)) as tell:
         for k, floor in enumerate(floors):
-            site = PanTiltSite(Scene(seed=seed + k, photo=floor, sweep=sweep))
-            other = PanTiltSite(Scene(seed=seed + k + 100, photo=floor, sweep=sweep))
+            site = PanTiltSite(PanTiltScene(seed=seed + k, photo=floor, sweep=sweep))
+            other = PanTiltSite(PanTiltScene(seed=seed + k + 100, photo=floor, sweep=sweep))
             with open_board() as board:
                 measurer = _maker(board)
                 chart = site.survey(measurer, out / f"mosaic_{k}")

@@ -14,8 +14,7 @@ from signum.measure.measurer import Measurer
 from signum.measure.stereo import RangeMap, draw_range, measure_range
 from signum.report.page import Bar, Section, figure, paragraph, row, table
 from signum.reproduce import OpenBoard, Progress
-from signum.world.camera import Pinhole
-from signum.world.scenes import BASELINE_M
+from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
 

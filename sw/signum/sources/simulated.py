@@ -12,12 +12,8 @@ from signum.frames.frame import Frame, Source
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.world.camera import Pinhole
 from signum.world.seafloor import PHOTOS, Seafloor
-from signum.world.water import CLEAR, COASTAL, PAPER
+from signum.world.water import WATERS
 from signum.world.world import World
-
-WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
-FOCAL = 400.0
-"""Focal length of the camera, pixels."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +64,7 @@ class WorldSource(Source):
         """From `world` or `world:name=value,...`.
 
         Raises:
-            SourceError: for a name or value that is not known.
+            SourceError: for an unknown name or value.
         """
         kinds: dict[str, Callable[[str], object]] = {
             f.name: type(getattr(SurveyPlan, f.name)) for f in fields(SurveyPlan)}
@@ -82,9 +78,9 @@ class WorldSource(Source):
                     f"{n}={f.default}" for n, f in zip(kinds, fields(SurveyPlan), strict=True))) from error
         survey = SurveyPlan(**values)  # type: ignore[arg-type]
         if survey.water not in WATERS or survey.photo not in PHOTOS:
-            raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo of {', '.join(PHOTOS)}")
+            raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo one of {', '.join(PHOTOS)}")
         if survey.frames < 1 or min(survey.rate, survey.speed, survey.columns, survey.spacing, survey.height) <= 0:
-            raise SourceError(f"{text}: frames, rate, speed, columns, spacing and height are above 0")
+            raise SourceError(f"{text}: frames, rate, speed, columns, spacing and height must be above 0")
         return cls(survey, text)
 
     def _frames(self) -> Iterator[Frame]:
@@ -92,9 +88,10 @@ class WorldSource(Source):
         flown = [s.place(k / s.rate) for k in range(s.frames)]
         middle = (np.min(flown, axis=0) + np.max(flown, axis=0)) / 2
         extent = float(np.ptp(np.array(flown), axis=0).max()) + 1.5 * s.height + 1.0
-        floor = Seafloor(extent=extent, relief=s.relief, texel=0.8 * s.height / FOCAL, photo=s.photo, seed=s.seed)
+        camera = Pinhole()
+        floor = Seafloor(extent=extent, relief=s.relief, texel=0.8 * s.height / camera.focal, photo=s.photo,
+                         seed=s.seed)
         world = World(floor, WATERS[s.water], seed=s.seed)
-        camera = Pinhole(focal=FOCAL)
         for k, (north, east) in enumerate(flown):
             position = np.array([north - middle[0], east - middle[1], -s.height])
             swell = 0.01 * np.sin(0.9 * k / s.rate), 0.01 * np.cos(0.7 * k / s.rate), 0.02 * np.sin(0.3 * k / s.rate)

@@ -39,6 +39,11 @@ EDGES = "frame_a", "frame_b", "dx_px", "dy_px", "score", "margin", "accepted"
 """`edges.csv`: displacement of a's centre in b from b's centre."""
 POSES = "frame", "x_px", "y_px", "rot_deg", "scale"
 """`poses.csv`: the frame's centre, rotation and scale in the mosaic plane, the pixel plane of the first frame."""
+SURVEY_EDGES = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed",
+                "tried", "reason")
+"""Columns of a survey's `edges.csv`: those of `EDGES`, the kind of edge, rotation and scale from a to b, centroid (in
+a), spread and residual of the windows that agree, original pixels, their number, the number tried, and the reason of a
+refusal."""
 ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
 """`accuracy.csv`: statistics of a mosaic's errors, over frames (APE) or pairs of consecutive frames (RPE)."""
 SCENE_TRUTH = "north_m", "east_m", "altitude_m", "roll_deg", "pitch_deg", "heading_deg"

@@ -1,4 +1,4 @@
-"""Pinhole cameras and what they see of the seafloor."""
+"""Pinhole cameras and their pictures of the seafloor."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from signum.common.arrays import Floats
 from signum.geometry.camera import Sight
 from signum.world.seafloor import Float, Seafloor
 
+BASELINE_M = 0.12
+"""Distance between the two cameras of the simulated stereo pair, metres."""
 COARSE = 4
-"""The ray's meeting with the floor is found on every COARSE-th pixel and interpolated: relief is smooth at that
-scale."""
-TURNS = 5
-"""Fixed-point turns to that meeting; each shrinks the error by slope times tangent of the viewing angle."""
+"""Pixels between the rays whose intersection with the floor is computed; it is interpolated in between, as relief is
+smooth at that scale."""
+MEET_ITERATIONS = 5
+"""Fixed-point iterations of that intersection; each reduces the error by the slope times the tangent of the viewing
+angle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +47,14 @@ class Pinhole:
         z = np.where(local[:, 2] > 1e-6, local[:, 2], np.nan)
         return np.asarray(local[:, :2] / z[:, None] * self.focal + self.centre)
 
-    def meet(self, sight: Sight, floor: Seafloor) -> Float:
-        """Distance along each pixel's ray to the floor in units of its z = 1 direction, float32 (height, width).
+    def unproject(self, sight: Sight, pixels: Floats, depths: Floats) -> Floats:
+        """World points (n, 3) seen at pixels (n, 2) with depths (n,) along the optical axis, metres."""
+        rays = np.hstack([(np.atleast_2d(pixels) - self.centre) / self.focal, np.ones((len(depths), 1))])
+        return np.asarray(sight.position + (rays * np.asarray(depths)[:, None]) @ sight.rotation.T)
 
-        So it is the depth along the optical axis, metres; infinite where a ray does not go down to the floor within
-        60 m.
+    def meet(self, sight: Sight, floor: Seafloor) -> Float:
+        """Depth of the floor along the optical axis, metres, float32 (height, width); infinite where a pixel's ray does
+        not meet the floor within 60 m.
         """
         width, height = self.size
         step_u, step_v = -(-(width - 1) // COARSE), -(-(height - 1) // COARSE)
@@ -59,7 +65,7 @@ class Pinhole:
         down = np.maximum(ray[..., 2], 1e-3)
         x0, y0, z0 = (np.float32(c) for c in sight.position)
         t = np.asarray(-z0 / down, np.float32)
-        for _ in range(TURNS if floor.relief > 0 or any(floor.slope) else 0):
+        for _ in range(MEET_ITERATIONS if floor.relief > 0 or any(floor.slope) else 0):
             t = np.asarray((floor.depth(x0 + t * ray[..., 0], y0 + t * ray[..., 1]) - z0) / down, np.float32)
         # 1/t is linear in the pixel over a plane, so interpolating it is exact there.
         inverse = 1 / np.maximum(t, np.float32(1e-3))
@@ -72,7 +78,7 @@ class Pinhole:
 
 
 def see_floor(camera: Pinhole, sight: Sight, floor: Seafloor) -> tuple[Float, Float]:
-    """The floor as the camera would see it through clear water under even light.
+    """The floor in clear water under even light.
 
     Returns:
         (albedo in grey levels, depth along the optical axis in metres, infinite where no floor is seen), float32

@@ -7,10 +7,9 @@ import numpy as np
 from signum.common.arrays import Image
 
 SNOW = 250
-
-
+"""Number of snow flakes."""
 MID_GREY = 128
-
+"""Grey level about which contrast is reduced."""
 
 
 def degrade(image: Image, seed: int = 0, light_radius: float = 0.25, corner_light: float = 0.3) -> Image:

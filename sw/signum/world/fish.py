@@ -13,22 +13,23 @@ from signum.world.camera import Pinhole
 from signum.world.seafloor import Float, photograph
 
 TEXELS = 128
+"""Side of the texture, pixels."""
 SLIM = 0.45
-"""Length of a fish seen from the front, of its length seen from the side."""
+"""Width of a fish seen from the front as a share of its length seen from the side."""
 
 
 @dataclass
 class Fish:
-    """A fish: an ellipse of scales, that swims between random waypoints, turns towards them, and now and then stops.
+    """A fish: a textured ellipse that swims between random waypoints, turns towards them, and sometimes stops.
 
     Attributes:
         position: (3,) world metres.
-        length: metres from nose to tail; it is 0.45 times as high.
+        length: metres from nose to tail; its height is 0.45 times that.
         speed: while swimming, m/s.
-        home: (3,) middle of the box it stays in; roam: (3,) half sides of the box, metres.
-        stops: mean number of stops a minute, each of 1 to 4 seconds.
-        agility: how fast it turns to where it swims, 1/s.
-        seed: of its texture and its whims.
+        home: (3,) middle of the box it stays in, world metres; roam: (3,) half sides of the box, metres.
+        stops: mean number of stops per minute, each of 1 to 4 seconds.
+        agility: rate at which it turns into its direction of motion, 1/s.
+        seed: of its texture and motion.
     """
 
     position: Floats
@@ -45,7 +46,7 @@ class Fish:
 
     def __post_init__(self) -> None:
         self._rng = np.random.default_rng([self.seed, 3])
-        grain = photograph("brick" if self.seed % 2 else "gravel")
+        grain = photograph("brick" if self.seed % 2 else "gravel").astype(np.float32)
         crop = cv2.resize(grain[100:260, 100:260], (TEXELS, TEXELS), interpolation=cv2.INTER_AREA)
         self._skin = np.asarray(20 + 0.5 * crop, np.float32)
         v, u = np.mgrid[:TEXELS, :TEXELS] / (TEXELS - 1) * 2 - 1
@@ -70,12 +71,12 @@ class Fish:
         self.velocity = wanted + (self.velocity - wanted) * np.exp(-dt / 0.5)
         self.position = self.position + self.velocity * dt
         speed = float(np.linalg.norm(self.velocity))
-        if speed > 0.05:  # a resting fish stays as it is
+        if speed > 0.05:  # a resting fish keeps its direction
             turned = self.facing + (self.velocity / speed - self.facing) * (1 - np.exp(-self.agility * dt))
             self.facing = turned / max(float(np.linalg.norm(turned)), 1e-6)
 
     def draw(self, albedo: Float, depth: Float, camera: Pinhole, sight: Sight) -> None:
-        """Paint the fish into a scene's albedo and depth, in place, where it is nearer than the scene."""
+        """Draw the fish into a scene's albedo and depth, in place, where it is nearer than the scene."""
         local = sight.rotation.T @ (self.position - sight.position)
         if local[2] < 0.2:
             return
@@ -85,7 +86,7 @@ class Fish:
         seen = max(float(np.hypot(along[0], along[1])), 1e-6)
         c, s = along[0] / seen, along[1] / seen
         width *= max(seen, SLIM)
-        # Its back stays on the upper side of an upright picture: to the left it swims mirrored, not on its back.
+        # In an upright picture a fish that swims to the left is mirrored, so that its back stays on the upper side.
         side = -height if abs(sight.rotation[2, 1]) > 0.7 and c < 0 else height
         texel = np.array([[c * width, -s * side], [s * width, c * side]]) / (TEXELS - 1)
         centre = local[:2] * scale + camera.centre

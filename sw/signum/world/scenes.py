@@ -1,4 +1,4 @@
-"""Scenes to render for others: a survey flown back and forth, a vehicle adrift; frames with the truth beside them."""
+"""Scenes rendered without control: a survey flown back and forth, a drifting vehicle; frames with their truth."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ import numpy as np
 
 from signum.common.arrays import Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
-from signum.world.camera import Pinhole
+from signum.tables.schemas import SCENE_TRUTH
+from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, Current, Vehicle
 from signum.world.water import COASTAL, Water
 from signum.world.world import World
 
-TRUTH = "north_m", "east_m", "altitude_m", "roll_deg", "pitch_deg", "heading_deg"
-"""What is known of every frame; altitude is the median depth of what the camera sees."""
-ADRIFT = Current(steady=(0.10, 0.04), surge=(0.05, 0.06, 0.02), period=8.0)
-BASELINE_M = 0.12
+DRIFT_CURRENT = Current(steady=(0.10, 0.04), surge=(0.05, 0.06, 0.02), period=8.0)
+"""The current of `drift`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Still:
-    """A moment of a scene: seconds, its frame or stereo pair (uint8), and the truth by name."""
+    """A moment of a scene: seconds, frame or stereo pair (uint8), and the truth by column name."""
 
     time: float
     frames: tuple[Image, ...]
@@ -32,9 +31,9 @@ class Still:
 
 
 def truth_of(position: np.ndarray, attitude: tuple[float, float, float], altitude: float) -> dict[str, float]:
-    """The columns of TRUTH of a camera at `position` (3,) m, turned by roll, pitch and yaw, radians."""
-    return dict(zip(TRUTH, (float(position[0]), float(position[1]), altitude, *(math.degrees(a) for a in attitude)),
-                    strict=True))
+    """The columns SCENE_TRUTH of a camera at `position` (3,) m, turned by roll, pitch and yaw, radians."""
+    values = float(position[0]), float(position[1]), altitude, *(math.degrees(a) for a in attitude)
+    return dict(zip(SCENE_TRUTH, values, strict=True))
 
 
 def survey(place: Callable[[float], tuple[float, float]], seconds: float, rate: float, height: float = 2.0,
@@ -62,12 +61,13 @@ def survey(place: Callable[[float], tuple[float, float]], seconds: float, rate: 
 
 def drift(seconds: float, rate: float, height: float = 2.0, stereo: bool = False, water: Water = COASTAL,
           seed: int = 0, camera: Pinhole | None = None) -> Iterator[Still]:
-    """A vehicle without thrust in a current with surge, its camera looking down."""
+    """A vehicle without thrust in a current with surge, its camera looking down; arguments as `survey`."""
     camera = camera or Pinhole()
     far = 0.13 * seconds + 2 * height
     start = np.array([-0.05 * seconds, -0.02 * seconds, -height])
-    world = World(Seafloor(extent=max(6.0, far), relief=0.05, texel=0.005, seed=seed), water, current=ADRIFT, seed=seed)
-    vehicle = Vehicle(current=ADRIFT, position=start)
+    floor = Seafloor(extent=max(6.0, far), relief=0.05, texel=0.005, seed=seed)
+    world = World(floor, water, current=DRIFT_CURRENT, seed=seed)
+    vehicle = Vehicle(current=DRIFT_CURRENT, position=start)
     for k in range(round(seconds * rate)):
         a = vehicle.attitude
         yield _take(world, camera, DOWN.sight(vehicle), stereo, k / rate, (float(a[0]), float(a[1]), float(a[2])))

@@ -8,13 +8,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.common.arrays import Image
+
 Float = NDArray[np.float32]
 PHOTOS = ("gravel", "grass", "brick")
-"""scikit-image's bundled photographs a floor can be made of."""
+"""scikit-image's bundled photographs that can cover a floor."""
 
 
-def photograph(name: str) -> Float:
-    """A bundled photograph of scikit-image, float32 (512, 512), grey levels.
+def photograph(name: str, scale: float = 1.0) -> Image:
+    """A bundled photograph of scikit-image, grey, enlarged by `scale`: uint8 (512 * scale, 512 * scale).
 
     Raises:
         ValueError: for a name not in PHOTOS.
@@ -23,17 +25,18 @@ def photograph(name: str) -> Float:
         raise ValueError(f"no photograph {name!r}: one of {', '.join(PHOTOS)}")
     from skimage import data
 
-    return np.asarray(getattr(data, name)(), np.float32)
+    photo = np.asarray(getattr(data, name)(), np.uint8)
+    return np.asarray(cv2.resize(photo, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
 
 
-def quilt(photo: Float, size: int, rng: np.random.Generator, patch: int = 256) -> Float:
-    """Texture of any size that repeats nowhere: turned and mirrored random patches of a photograph, blended.
+def quilt(photo: Image, size: int, rng: np.random.Generator, patch: int = 256) -> Float:
+    """Texture of any size without periodic repetition: rotated and mirrored random patches of a photograph, blended.
 
-    Patches overlap by half; weights are a raised cosine, normalised to keep the variance, so no seam is visible as a
-    change of contrast.
+    Patches overlap by half; weights are a raised cosine, normalised to keep the variance, so that seams do not change
+    the contrast.
 
     Args:
-        photo: float32 (h, w), both larger than `patch`.
+        photo: (h, w), both larger than `patch`.
         size: height and width of the result, pixels.
         rng: chooses the patches.
         patch: patch size, pixels, even.
@@ -41,9 +44,10 @@ def quilt(photo: Float, size: int, rng: np.random.Generator, patch: int = 256) -
     Returns:
         float32 (size, size) about the photograph's mean.
     """
-    mean = float(photo.mean())
-    flat = photo - cv2.GaussianBlur(photo, (0, 0), patch / 4)
-    flat *= float(photo.std() / flat.std())
+    levels = photo.astype(np.float32)
+    mean = float(levels.mean())
+    flat = levels - cv2.GaussianBlur(levels, (0, 0), patch / 4)
+    flat *= float(levels.std() / flat.std())
     step = patch // 2
     count = -(-size // step) + 1
     side = (count + 1) * step
@@ -71,7 +75,9 @@ class Seafloor:
         relief: standard deviation of its height, metres; 0 is a plane.
         feature: length scale of the relief, metres.
         texel: metres per pixel of the finest texture.
-        photo: what it is covered with, one of PHOTOS.
+        photo: its texture, one of PHOTOS.
+        quilted: whether the texture is a quilt of the photograph; False enlarges the photograph itself to the whole
+            floor, so that nothing recurs on it.
         slope: (north, east) inclination of the mean plane, metres of depth per metre.
         seed: of texture and relief.
     """
@@ -81,17 +87,20 @@ class Seafloor:
     feature: float = 0.8
     texel: float = 0.0025
     photo: str = "gravel"
+    quilted: bool = True
     slope: tuple[float, float] = (0.0, 0.0)
     seed: int = 0
     levels: list[Float] = field(init=False, repr=False)
-    """Texture, every level half as fine as the one before."""
+    """Texture, each level half as fine as the one before."""
     height: Float = field(init=False, repr=False)
     """Height above the mean plane, metres, on a grid of `cell` metres."""
     cell: float = field(init=False, default=0.02)
 
     def __post_init__(self) -> None:
         rng = np.random.default_rng([self.seed, 1])
-        self.levels = [quilt(photograph(self.photo), round(self.extent / self.texel), rng)]
+        photo, side = photograph(self.photo), round(self.extent / self.texel)
+        self.levels = [quilt(photo, side, rng) if self.quilted else
+                       cv2.resize(photo, (side, side), interpolation=cv2.INTER_CUBIC).astype(np.float32)]
         while len(self.levels) < 5:
             self.levels.append(np.asarray(cv2.pyrDown(self.levels[-1]), np.float32))
         count = round(self.extent / self.cell)

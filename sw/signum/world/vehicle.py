@@ -32,17 +32,18 @@ class Current:
 
 
 STILL = Current()
+"""Still water."""
 
 
 @dataclass(frozen=True)
 class Hull:
-    """What a small inspection vehicle weighs and how it moves: mass with added mass, drag, thrust.
+    """The dynamics of a small inspection vehicle: mass with added mass, drag, thrust.
 
     Axes are surge, sway, heave and roll, pitch, yaw. Masses kg and kg m^2, linear drag N s/m and N m s, quadratic
     drag N s^2/m^2 and N m s^2, thrust limits N and N m, lag in seconds, righting moment N m per radian of roll and
-    pitch. The horizontal thrusters sit `lever` metres below the centre of mass, so pushing tilts the hull; flow from
-    aside turns it (Munk moment, from the masses). The autopilot's gyro damps yaw by `yaw_damper` N m s through the
-    thrusters.
+    pitch. The horizontal thrusters are `lever` metres below the centre of mass, so their thrust tilts the hull; flow
+    from the side yaws it (Munk moment, from the masses). The autopilot's gyro damps yaw by `yaw_damper` N m s through
+    the thrusters.
     """
 
     inertia: tuple[float, ...] = (16.0, 22.0, 24.0, 0.3, 0.35, 0.4)
@@ -57,7 +58,7 @@ class Hull:
 
 @dataclass
 class Vehicle:
-    """The vehicle's state and its motion.
+    """The vehicle's state and motion.
 
     Attributes:
         position: (3,) world metres; two metres above the floor is (0, 0, -2).
@@ -108,7 +109,7 @@ class Vehicle:
 
 @dataclass
 class PanTilt:
-    """A fast pan/tilt: angles follow a rate command within rate and acceleration limits, and stop at their ends.
+    """A fast pan/tilt: angles follow a rate command within rate and acceleration limits, and stop at their end stops.
 
     Attributes:
         pan: to the right, radians; tilt: up, radians. Zero is the mount's own direction.
@@ -132,13 +133,13 @@ class PanTilt:
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """How a camera sits on the vehicle: `offset` (3,) body metres, `look` camera to body (3, 3) at rest."""
+    """A camera's mount on the vehicle: `offset` (3,) body metres, `look` camera to body (3, 3) at rest."""
 
     offset: Floats = field(default_factory=lambda: np.zeros(3))
     look: Floats = field(default_factory=lambda: LOOK_DOWN)
 
     def sight(self, vehicle: Vehicle, head: PanTilt | None = None) -> Sight:
-        """Where the camera is now, turned by the pan/tilt where there is one."""
+        """The camera's present pose, rotated by the pan/tilt where there is one."""
         look = self.look
         if head is not None:
             look = look @ pan_tilt(head.pan, head.tilt)
@@ -146,4 +147,6 @@ class Mount:
 
 
 DOWN = Mount()
+"""A camera that looks straight down; image up is forward."""
 AHEAD = Mount(look=LOOK_AHEAD)
+"""A camera that looks ahead, upright."""

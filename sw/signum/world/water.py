@@ -1,6 +1,6 @@
-"""What water, lamp and sensor do to a picture: attenuation, backscatter, light cone, fall-off, marine snow, noise.
+"""Water, lamp and sensor in a picture: attenuation, backscatter, light cone, fall-off, marine snow, noise.
 
-A point of albedo J at range R, lit by a lamp carried beside the camera, is seen as
+A point of albedo J at range R, lit by a lamp beside the camera, has the grey level
 `J light(angle) exp(-2 c (R - R0)) (R0 / R)^2 + B (1 - exp(-2 c R))`; R0 is the range at which the exposure is set.
 """
 
@@ -24,12 +24,12 @@ class Water:
 
     Attributes:
         attenuation: c, per metre.
-        backscatter: B, grey levels of light scattered back by an endless path.
-        cone: half angle of the lamp's cone at which its light has fallen to 1/e, radians; 0 is even light.
+        backscatter: B, grey levels of light scattered back by an infinite path.
+        cone: half angle of the lamp's cone at which its light falls to 1/e, radians; 0 is even light.
         exposed: R0, metres.
-        snow: particles in view at a time.
+        snow: particles in view at any time.
         noise: standard deviation of the sensor's noise, grey levels.
-        figure8: the paper's contrast loss (a quarter, about mid grey) and radial fall-off on top.
+        figure8: the paper's contrast loss (to a quarter, about mid grey) and radial fall-off in addition.
     """
 
     attenuation: float = 0.0
@@ -46,13 +46,15 @@ COASTAL = Water(attenuation=0.25, backscatter=60.0, cone=0.6, snow=150, noise=1.
 """Turbid coastal water with a lamp."""
 PAPER = Water(snow=250, noise=1.0, figure8=True)
 """The degradation of the paper's figure 8, with snow that drifts."""
+WATERS = {"clear": CLEAR, "coastal": COASTAL, "paper": PAPER}
+"""By name."""
 
 
 @dataclass
 class Snow:
     """Marine snow: particles spread over the space before the camera, sinking and drifting with the water.
 
-    They live in a box that travels with the camera and wraps round, so their number in view stays the same.
+    They fill a box that moves with the camera and wraps round, so their number in view is constant.
     """
 
     count: int
@@ -72,7 +74,7 @@ class Snow:
         self.positions = (self.positions + (flow + np.array([0, 0, self.sink])) * dt + wander) % self.box
 
     def draw(self, image: Float, camera: Pinhole, sight: Sight, depth: Float) -> None:
-        """Paint the particles nearer than the scene into `image`, in place: squares of 1 to 5 pixels, white nearest
+        """Draw the particles nearer than the scene into `image`, in place: squares of 1 to 5 pixels, white nearest
         by."""
         local = ((self.positions - sight.position) % self.box - self.box / 2) @ sight.rotation
         z = local[:, 2]
@@ -87,13 +89,12 @@ class Snow:
 
 
 def expose(albedo: Float, depth: Float, camera: Pinhole, water: Water) -> Float:
-    """The light that reaches the sensor from a scene, float32 (height, width), grey levels; before snow and noise.
+    """The light from a scene at the sensor, float32 (height, width), grey levels; before snow and noise.
 
     Args:
         albedo: float32 (height, width), grey levels in clear water under even light.
         depth: metres along the optical axis, infinite for open water.
-        camera: whose pixels these are.
-        water: the water.
+        camera, water: of the picture.
     """
     image = albedo
     if water.attenuation or water.cone or water.backscatter:
@@ -112,7 +113,7 @@ def expose(albedo: Float, depth: Float, camera: Pinhole, water: Water) -> Float:
 
 
 def sense(image: Float, noise: float, rng: np.random.Generator) -> Image:
-    """What the sensor makes of the light: noise, clipping, 8 bits."""
+    """The sensor's picture of the light: noise, clipping, 8 bits."""
     if noise:
         image = image + np.float32(noise) * rng.standard_normal(image.shape, np.float32)
     return np.asarray(cv2.convertScaleAbs(np.maximum(image, 0)), np.uint8)
@@ -120,20 +121,20 @@ def sense(image: Float, noise: float, rng: np.random.Generator) -> Image:
 
 @lru_cache(maxsize=8)
 def _slant(camera: Pinhole) -> Float:
-    """Range per depth of every pixel."""
+    """Range divided by depth, of every pixel."""
     return np.asarray(np.sqrt((camera.rays**2).sum(axis=-1)), np.float32)
 
 
 @lru_cache(maxsize=8)
 def _cone(camera: Pinhole, half_angle: float) -> Float:
-    """The lamp's light over the picture, 1 on the axis."""
+    """The lamp's light over the picture, relative to the axis."""
     return np.asarray(np.exp(-((np.arccos(1 / _slant(camera)) / half_angle) ** 2)), np.float32)
 
 
 @lru_cache(maxsize=8)
 def _fall_off(camera: Pinhole, clear: float = 0.3, corner: float = 0.5) -> Float:
-    """The paper's factor, linear in (r - r0)^2 for r > r0; r0 is `clear` half diagonals, `corner` is reached in the
-    corners."""
+    """The paper's factor, linear in (r - r0)^2 for r > r0; r0 is `clear` half diagonals, and the factor is `corner` in
+    the corners."""
     r = np.hypot(camera.rays[..., 0], camera.rays[..., 1])
     r = r / r.max()
     return np.asarray(1 - (1 - corner) * (np.maximum(r - clear, 0) / (1 - clear)) ** 2, np.float32)

@@ -1,4 +1,4 @@
-"""The world put together: what a camera in it sees at a moment."""
+"""The world as a whole, and the pictures of a camera in it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from signum.world.water import CLEAR, Snow, Water, expose, sense
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A frame and the truth behind it.
+    """A frame and its true depths.
 
     Attributes:
         frame: uint8 (height, width).
@@ -31,9 +31,14 @@ class Shot:
 
 @dataclass
 class World:
-    """Seafloor, water and fish. Attributes other than those are fixed by `seed`.
+    """Seafloor, water and fish.
 
-    `floor` is None in midwater; `occluder` paints what else gets before the camera (image, time), in place.
+    Attributes:
+        floor: None in midwater.
+        water, fish, current: of the sea.
+        occluder: draws further objects in front of the camera into (image, time), in place.
+        seed: of snow and noise.
+        time: seconds.
     """
 
     floor: Seafloor | None
@@ -49,7 +54,7 @@ class World:
         self._snow = Snow(self.water.snow, self.seed)
 
     def step(self, dt: float) -> None:
-        """Let the fish swim and the snow drift for `dt` seconds."""
+        """Move fish and snow for `dt` seconds."""
         for fish in self.fish:
             fish.step(dt)
         if self.water.snow:
@@ -57,7 +62,7 @@ class World:
         self.time += dt
 
     def look(self, camera: Pinhole, sight: Sight) -> Shot:
-        """What `camera` sees from `sight` now."""
+        """The present picture of `camera` from `sight`."""
         if self.floor is None:
             shape = camera.size[::-1]
             albedo, depth = np.zeros(shape, np.float32), np.full(shape, np.inf, np.float32)
@@ -73,6 +78,6 @@ class World:
         return Shot(sense(light, self.water.noise, self._rng), depth)
 
     def look_pair(self, camera: Pinhole, sight: Sight, baseline: float) -> tuple[Shot, Shot]:
-        """What a rectified stereo pair sees: the left camera at `sight`, the right one `baseline` metres to its
+        """The pictures of a rectified stereo pair: the left camera at `sight`, the right one `baseline` metres to its
         right."""
         return self.look(camera, sight), self.look(camera, sight.shifted(baseline))

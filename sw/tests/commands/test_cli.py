@@ -13,11 +13,14 @@ from typer.testing import CliRunner, Result
 from golden import log
 from signum.commands import session
 from signum.commands.cli import application
-from signum.demo import fly as demo
 from signum.frames.frame import Frame
 from signum.sources.files import ArraySource
 from signum.tables.schemas import TRACK
-from signum.world.scene import Camera, Pose, gravel
+from signum.world.camera import Pinhole
+from signum.world.seafloor import Seafloor, photograph
+from signum.world.vehicle import DOWN, Vehicle
+from signum.world.water import Water
+from signum.world.world import World
 
 app = application()
 
@@ -35,8 +38,9 @@ def _rows(path: Path) -> list[dict[str, str]]:
 
 def _frames(count: int, step: float, size: tuple[int, int] = SIZE) -> list[np.ndarray]:
     """Frames of a straight flight, `step` pixels down the image from one to the next."""
-    camera = Camera(gravel(), size=size, focal=400.0)
-    return [camera.look(Pose(0.0, 1.0 - k * step * camera.ground_pixel)) for k in range(count)]
+    world, camera = World(Seafloor(extent=5.12, texel=0.005, quilted=False), Water(noise=2.0)), Pinhole(size, 400.0)
+    vehicles = [Vehicle(position=np.array([k * step * 2.0 / 400.0 - 1.0, 0.0, -2.0])) for k in range(count)]
+    return [world.look(camera, DOWN.sight(vehicle)).frame for vehicle in vehicles]
 
 
 def _folder(path: Path, frames: list[np.ndarray]) -> Path:
@@ -73,7 +77,7 @@ def test_filter_writes_the_boards_signs(tmp_path: Path) -> None:
 
 
 def test_large_picture_is_scaled_with_a_note(tmp_path: Path) -> None:
-    cv2.imwrite(str(tmp_path / "in.png"), np.asarray(cv2.resize(gravel(), (1280, 960))))
+    cv2.imwrite(str(tmp_path / "in.png"), np.asarray(cv2.resize(photograph("gravel"), (1280, 960))))
     result = _run("filter", tmp_path / "in.png", "--out", tmp_path)
     assert result.exit_code == 0 and "1280x960 are scaled to 640x480" in result.stderr
     assert np.asarray(cv2.imread(str(tmp_path / "sign.png"))).shape[:2] == (480, 640)
@@ -166,19 +170,3 @@ def test_info_tells_what_the_board_is() -> None:
     assert result.exit_code == 0
     for word in ("golden", "full", "max_width", "640", "busy_clocks", "slots"):
         assert word in result.stdout
-
-
-def test_demo_leaves_everything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, value in (("TRACKED", 6), ("IMAGES", 2), ("HELD_SECONDS", 5.0), ("FREE_SECONDS", 1.0)):
-        monkeypatch.setattr(demo, name, value)
-    result = _run("demo", "--board", "golden", "--out", tmp_path)
-    assert result.exit_code == 0, result.output
-    page = (tmp_path / "report.html").read_text()
-    assert page.count("data:image/png;base64,") == 16 and "http" not in page and "src=" in page
-    assert np.asarray(cv2.imread(str(tmp_path / "mosaic.png"))).shape[0] > 300
-    assert len(_rows(tmp_path / "track.csv")) >= 6 * 8
-    figures = re.sub(r"<[^>]+>", " ", page)
-    for pattern, bar in ((r"truth, RMS\s+([\d.]+) px", 0.5), (r"last image\s+([\d.]+) px", 1.0),
-                         (r"measurement error, RMS\s+([\d.]+) mm", 1.0)):
-        found = re.search(pattern, figures)
-        assert found and float(found[1]) < bar

@@ -14,10 +14,8 @@ from typer.testing import CliRunner, Result
 
 from golden.params import FULL
 from signum.applications.follow.pilot import Where
-from signum.applications.follow.record import FOLLOW
-from signum.applications.follow.simulate import Chase, follow
-from signum.applications.hold.record import HOLD
-from signum.applications.hold.simulate import Scenario, hold
+from signum.applications.follow.simulate import Chase, simulate_chase
+from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
@@ -27,6 +25,7 @@ from signum.frames.frame import Frame
 from signum.geometry.camera import LOOK_DOWN, Sight
 from signum.measure.measurer import Measurer
 from signum.sources.files import ArraySource
+from signum.tables.schemas import FOLLOW, HOLD
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
@@ -193,10 +192,10 @@ def _fly(board: Board, what: str) -> list[object]:
         return Measurer(board, size, 2.0)
 
     if what == "hold":
-        moments = list(hold(measurer, Scenario(1.5, occluded=(0.75, 0.95)), SMALL))
+        moments = list(simulate_hold(measurer, Scenario(1.5, occluded=(0.75, 0.95)), SMALL))
         assert {m.reading.valid for m in moments} == {True, False}
         return [(m.reading, m.truth) for m in moments]
     terrain = Where(what) is Where.TERRAIN
-    glimpses = list(follow(measurer, Chase(Where(what), 1.0 if terrain else 0.5), LARGER if terrain else SMALL))
+    glimpses = list(simulate_chase(measurer, Chase(Where(what), 1.0 if terrain else 0.5), LARGER if terrain else SMALL))
     assert any(g.target.blob is not None for g in glimpses)
     return [(g.target.state, g.target.x, g.target.y, g.truth, g.head, g.position) for g in glimpses]

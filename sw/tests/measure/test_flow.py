@@ -19,7 +19,7 @@ SIZE = (384, 288)
 @pytest.mark.parametrize(("degraded", "bar"), [(False, 0.1), (True, 0.25)])
 def test_shifts(name: str, degraded: bool, bar: float) -> None:
     rng = np.random.default_rng(4)
-    photo = photograph(name)
+    photo = photograph(name).astype(np.float32)
     squares, shares = [], []
     for k in range(3):
         shift = rng.uniform(-8, 8, 2)
@@ -41,7 +41,7 @@ def test_shifts(name: str, degraded: bool, bar: float) -> None:
 
 def test_nothing_in_common_gives_no_flow() -> None:
     measurer = Measurer(GoldenBoard(), SIZE, 1.5)
-    frames = [np.ascontiguousarray(photograph(n)[:SIZE[1], :SIZE[0]]).astype(np.uint8) for n in ("gravel", "grass")]
+    frames = [np.ascontiguousarray(photograph(n)[:SIZE[1], :SIZE[0]]) for n in ("gravel", "grass")]
     field = measure_flow(measurer, measurer.view(frames[0]), measurer.view(frames[1]))
     assert not field.valid.any() and field.dominant() == (0.0, 0.0)
     assert draw_flow(frames[0], field).shape == (*SIZE[::-1], 3)

@@ -15,7 +15,7 @@ from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
 from signum.reproduce.reference import SHARED
 from signum.sources.open import open_source
-from signum.world.scene import gravel
+from signum.world.seafloor import photograph
 
 SIZE = 384, 288
 
@@ -37,7 +37,7 @@ def _cut(photo: Image, place: Similarity, size: tuple[int, int] = SIZE, seed: in
     (9.0, 0.96, (-60.0, 70.0)), (-8.0, 1.0, (150.0, -30.0)),
 ])
 def test_known_similarity(rot: float, scale: float, shift: tuple[float, float]) -> None:
-    photo = gravel()
+    photo = photograph("gravel", 2.0)
     registrar = _registrar()
     a = Similarity.of(shift=(320.0, 360.0))
     about = complex(*registrar.centre)
@@ -54,7 +54,7 @@ def test_known_similarity(rot: float, scale: float, shift: tuple[float, float]) 
 
 
 def test_pictures_larger_than_the_board_answer_in_their_own_pixels() -> None:
-    photo = gravel(4.0)
+    photo = photograph("gravel", 4.0)
     registrar = _registrar((1280, 960))
     assert registrar.fine.board == (640, 480)
     a, b = Similarity.of(shift=(300.0, 600.0)), Similarity.of(shift=(337.0, 281.0))
@@ -65,7 +65,7 @@ def test_pictures_larger_than_the_board_answer_in_their_own_pixels() -> None:
 
 @pytest.mark.parametrize("other", ["grass", "brick", "moon", "elsewhere", "flat"])
 def test_strangers_are_refused(other: str) -> None:
-    photo = gravel()
+    photo = photograph("gravel", 2.0)
     if other == "flat":
         stranger = np.full((1024, 1024), 90, np.uint8)
     elif other == "elsewhere":
@@ -94,7 +94,7 @@ def test_mirrored_neighbours_of_real_surveys_are_refused(run: str) -> None:
 
 
 def test_a_guess_saves_the_search_and_a_wrong_one_is_refused() -> None:
-    photo = gravel()
+    photo = photograph("gravel", 2.0)
     registrar = _registrar()
     a, b = Similarity.of(shift=(300.0, 300.0)), Similarity.of(shift=(306.0, 280.0))
     pictures = registrar.prepare(_cut(photo, a)), registrar.prepare(_cut(photo, b, seed=1))

@@ -137,7 +137,7 @@ def test_undistortion(tmp_path: Path) -> None:
     k, d = np.array([[200.0, 0, 95.5], [0, 200.0, 71.5], [0, 0, 1]]), np.array([-0.3, 0.1, 0, 0, 0])
     path = _calibration(tmp_path / "camera.yaml", {"image_width": 192, "image_height": 144, "camera_matrix": k,
                                                    "distortion_coefficients": d})
-    true = np.asarray(cv2.GaussianBlur(photograph("gravel")[:144, :192], (0, 0), 1.5), np.uint8)
+    true = np.asarray(cv2.GaussianBlur(photograph("gravel")[:144, :192].astype(np.float32), (0, 0), 1.5), np.uint8)
     u, v = np.meshgrid(np.arange(192.0), np.arange(144.0))
     bent = np.asarray(cv2.undistortPoints(np.stack([u, v], -1).reshape(-1, 1, 2), k, d, P=k), np.float32)
     bent = bent.reshape(144, 192, 2)
@@ -166,7 +166,7 @@ def test_the_simulated_source_is_the_same_for_a_seed() -> None:
 
 
 def test_a_lone_vector_needs_a_neighbour_that_agrees() -> None:
-    photo = np.asarray(photograph("gravel"), np.uint8)
+    photo = photograph("gravel")
     before, after = photo[:240, :320].copy(), photo[4:244, 6:326].copy()
     before[86:122, 86:122] = after[86:122, 86:122] = photo[300:336, 300:336]  # a window that stays while all else moves
     measurer = Measurer(GoldenBoard(), (320, 240), 1.5)

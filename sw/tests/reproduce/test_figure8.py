@@ -13,7 +13,7 @@ from signum.world.degrade import SNOW, degrade
 
 def test_table_meets_the_paper() -> None:
     with GoldenBoard() as board:
-        rows = [row for name, picture in figure8.pictures() for row in figure8.measure(board, name, picture)]
+        rows = [row for name, picture in figure8.photographs() for row in figure8.measure(board, name, picture)]
     print("\n" + figure8.as_text(rows))
     assert {r.picture for r in rows} >= set(figure8.PHOTOGRAPHS)
     assert {r.sigma for r in rows} == set(figure8.SIGMAS)

@@ -11,7 +11,7 @@ import pytest
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.world.camera import Pinhole
 from signum.world.fish import Fish
-from signum.world.seafloor import Seafloor
+from signum.world.seafloor import Seafloor, photograph
 from signum.world.vehicle import AHEAD, DOWN, Current, PanTilt, Vehicle
 from signum.world.water import CLEAR, COASTAL, PAPER
 from signum.world.world import World
@@ -60,6 +60,32 @@ def test_a_seed_makes_a_world() -> None:
 
     assert np.array_equal(film(5), film(5))
     assert not np.array_equal(film(5), film(6))
+
+
+def test_the_same_forces_in_the_same_water_end_at_the_same_place() -> None:
+    ends = []
+    for _ in range(2):
+        vehicle = Vehicle(current=Current((0.1, -0.05), (0.08, 0.04, 0.02)))
+        for _ in range(50):
+            vehicle.step(np.array([5.0, 0.0, 0.0, 0.0, 0.0, 0.5]), 0.1)
+        ends.append(np.concatenate([vehicle.position, vehicle.attitude, vehicle.velocity]))
+    assert np.array_equal(ends[0], ends[1]) and np.hypot(*ends[0][:2]) > 0.5
+
+
+def test_pixels_and_world_points_are_each_others_inverse(relief: Seafloor) -> None:
+    sight = Sight(np.array([0.3, -0.2, -2.0]), rotation(0.1, -0.15, 0.6) @ LOOK_DOWN)
+    pixels = np.array([[0.0, 0.0], [200.0, 31.0], [383.0, 287.0]])
+    points = CAMERA.unproject(sight, pixels, np.array([1.5, 2.0, 2.5]))
+    assert np.allclose(CAMERA.project(sight, points), pixels)
+    assert np.allclose((points - sight.position) @ sight.rotation[:, 2], [1.5, 2.0, 2.5])
+
+
+def test_a_photographed_floor_shows_the_photograph() -> None:
+    """From where a pixel of the camera covers a texel, north up."""
+    floor = Seafloor(extent=5.12, texel=0.01, quilted=False)
+    frame = World(floor).look(Pinhole((256, 192), 200.0), DOWN.sight(Vehicle())).frame
+    photo = photograph("gravel")[160:352, 128:384]
+    assert np.corrcoef(frame.ravel(), photo.ravel())[0, 1] > 0.999
 
 
 @pytest.mark.parametrize("water", [CLEAR, COASTAL, PAPER])

@@ -1,1 +1,1 @@
-"""Object following: what is near, or moves against the terrain, is kept in the middle of the view."""
+"""Object following: an object that is near, or moves against the terrain, is kept in the middle of the view."""

@@ -1,4 +1,4 @@
-"""Follows one blob from frame to frame: by segmentation, between whiles by correlation, and says when it is lost."""
+"""Follows one blob from frame to frame by segmentation, by correlation where that fails, and reports its loss."""
 
 from __future__ import annotations
 
@@ -6,41 +6,39 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Protocol
 
-from signum.applications.follow.segment import FLOW_RULES, NEAR_RULES, Blob, Segmented, by_motion, by_range, one_blob
+from signum.applications.follow.eyes import Eye
+from signum.applications.follow.segment import Blob, Segmented, one_blob
 from signum.common.arrays import Image
-from signum.geometry.calibration import StereoGeometry
-from signum.measure.flow import measure_flow
-from signum.measure.measurer import Measurer, Query, Rules, View
-from signum.measure.stereo import measure_range
+from signum.measure.measurer import Query, Rules
 
-RANGE_WINDOW, MOTION_WINDOW = 24, 32
-"""Sides of the windows by which a fish is told from what is behind it, pixels."""
 TEMPLATE_RULES = Rules(min_score=0.66, min_margin=0.04, texture=False)
-TEMPLATE = 48
-REACH = 20
+"""Rules of the search for the fish's template."""
+TEMPLATE_PX = 48
+"""Side of the template, pixels."""
+TEMPLATE_REACH = 20
+"""Half side of the template's search range, pixels."""
 STAYS_PX = 50.0
-"""By how much a blob not yet taken for a fish may move from frame to frame, the camera's turning aside."""
+"""Largest motion of a blob not yet confirmed from frame to frame, less the camera's rotation."""
 GATE_PX = 90.0
-"""How far from where it is expected a followed blob may turn up."""
+"""Largest distance of a followed blob from its expected position."""
 
 
 class State(StrEnum):
-    """How the fish's place is known."""
+    """How the fish's position is known."""
 
     SEEN = "seen"
-    """Segmentation shows it."""
+    """By segmentation."""
     KEPT = "kept"
-    """Segmentation does not, a fish at rest for instance; its picture of the frame before is found again."""
+    """By its template from the frame before, where segmentation does not find it: at rest, for instance."""
     COASTING = "coasting"
-    """Neither, for a few frames: it is taken to go on as before."""
+    """By neither, for a few frames: its last motion is extrapolated."""
     LOST = "lost"
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A frame's answer: where the fish is, pixels, meaningless when lost; the blob, where segmentation shows one."""
+    """A frame's result: the fish's position, pixels, not valid when lost; its range; the blob, where there is one."""
 
     state: State
     x: float
@@ -51,73 +49,8 @@ class Target:
 
     @property
     def lost(self) -> bool:
-        """Whether nothing is known of it."""
+        """Whether the position is not known."""
         return self.state is State.LOST
-
-
-class Eye(Protocol):
-    """Segments frames. `live` is the view of the last frame, `before` that of the one before, where it is kept."""
-
-    measurer: Measurer
-    live: View | None
-    before: View | None
-
-    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented | None:
-        """Segment a frame, or the two of a stereo pair.
-
-        Args:
-            frames: uint8 (height, width).
-            moved: how far the camera's own turning should have shifted the picture since the last frame, pixels.
-
-        Returns:
-            None where there is nothing to compare with yet.
-        """
-
-
-class RangeEye:
-    """Sees what is nearer than `nearer` metres, by stereo; searches from `closest` metres to a little beyond."""
-
-    def __init__(self, measurer: Measurer, geometry: StereoGeometry, nearer: float = 4.0, closest: float = 1.0,
-                 window: int = RANGE_WINDOW, step: int = 24) -> None:
-        self.measurer, self.geometry, self.nearer, self.window, self.step = measurer, geometry, nearer, window, step
-        per_metre = geometry.focal * geometry.baseline
-        # Beyond the threshold too, so that the peak of what is farther lies within the search and is not cut off.
-        self.disparities = (int(0.6 * per_metre / nearer - geometry.shift),
-                            math.ceil(per_metre / closest - geometry.shift))
-        self.live: View | None = None
-        self.before: View | None = None
-
-    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented:
-        """See `Eye`; takes a rectified pair."""
-        left, right = self.measurer.pair(frames[0], frames[1])
-        found = measure_range(self.measurer, left, right, self.disparities, (self.window, self.window), self.step, None,
-                              NEAR_RULES)
-        self.measurer.release(right)
-        if self.live is not None:
-            self.measurer.release(self.live)
-        self.live = left
-        return by_range(found, self.geometry, self.nearer)
-
-
-class MotionEye:
-    """Sees what moves otherwise than the terrain."""
-
-    def __init__(self, measurer: Measurer, disagree_px: float = 1.5, window: int = MOTION_WINDOW, step: int = 24,
-                 reach: int = 9) -> None:
-        self.measurer, self.disagree_px, self.window, self.step, self.reach = measurer, disagree_px, window, step, reach
-        self.live: View | None = None
-        self.before: View | None = None
-
-    def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented | None:
-        """See `Eye`."""
-        if self.before is not None:
-            self.measurer.release(self.before)
-        self.before, self.live = self.live, self.measurer.view(frames[0])
-        if self.before is None:
-            return None
-        field = measure_flow(self.measurer, self.before, self.live, (self.window, self.window), self.step,
-                             (self.reach, self.reach), moved, FLOW_RULES)
-        return by_motion(field, self.measurer.size, self.disagree_px)
 
 
 @dataclass
@@ -126,9 +59,9 @@ class Follower:
 
     Attributes:
         eye: segments.
-        patience: frames without anything after which the fish is lost.
-        keep: frames for which a picture of the fish alone is believed: what never moves may be a stone.
-        confirm: frames in a row that must show a blob before it is taken for a fish.
+        patience: frames without a measurement after which the fish is lost.
+        keep: largest number of frames in a row by template alone: an object that never moves may be a stone.
+        confirm: frames in a row that must contain a blob before it counts as a fish.
     """
 
     eye: Eye
@@ -144,12 +77,12 @@ class Follower:
 
     def step(self, frames: Sequence[Image], moved: tuple[float, float] = (0.0, 0.0),
              expected: tuple[float, float] | None = None) -> Target:
-        """Take a frame (or a pair).
+        """Process a frame (or a pair).
 
         Args:
             frames, moved: see `Eye.look`.
-            expected: where the fish should be by what is known of its and the camera's motion, pixels; None to go on as
-                in the frames before.
+            expected: predicted position of the fish by its and the camera's motion, pixels; None to extrapolate the
+                motion of the frames before.
         """
         last = self.target
         seen = self.eye.look(frames, moved)
@@ -164,7 +97,7 @@ class Follower:
             self._set(Target(State.SEEN, blob.x, blob.y, blob.range_m, blob, seen))
         elif last.lost:
             self.target = Target(State.LOST, last.x, last.y, blob=blob, seen=seen)
-        elif inside and self._kept < self.keep and (place := self._by_picture(x, y) or (blob and (blob.x, blob.y))):
+        elif inside and self._kept < self.keep and (place := self._by_template(x, y) or (blob and (blob.x, blob.y))):
             self._kept, self._without = self._kept + 1, 0
             self._set(Target(State.KEPT, *place, last.range_m, blob, seen))
         elif inside and self._without < self.patience:
@@ -176,7 +109,7 @@ class Follower:
         return self.target
 
     def _sighted(self, blob: Blob | None, moved: tuple[float, float]) -> int:
-        """In how many frames in a row a blob has been there, each time where it was before."""
+        """Number of frames in a row with a blob, each near its position in the frame before."""
         before, self._sighting = self._sighting, blob
         if blob is None:
             return 0
@@ -188,12 +121,12 @@ class Follower:
             self._moving = 0.5 * (target.x - self.target.x), 0.5 * (target.y - self.target.y)
         self.target = target
 
-    def _by_picture(self, x: float, y: float) -> tuple[float, float] | None:
-        """Where the part of the last frame that showed the fish is now; None if nowhere near (x, y)."""
+    def _by_template(self, x: float, y: float) -> tuple[float, float] | None:
+        """Position of the last frame's template of the fish in this one; None if it is not found near (x, y)."""
         eye, last = self.eye, self.target
         if eye.before is None or eye.live is None or last.state is State.COASTING:
             return None
         u, v = round(last.x), round(last.y)
-        found = eye.measurer.measure([Query(eye.before, eye.live, u, v, TEMPLATE, TEMPLATE, (x - u, y - v),
-                                            (REACH, REACH))], TEMPLATE_RULES)[0]
+        found = eye.measurer.measure([Query(eye.before, eye.live, u, v, TEMPLATE_PX, TEMPLATE_PX, (x - u, y - v),
+                                            (TEMPLATE_REACH, TEMPLATE_REACH))], TEMPLATE_RULES)[0]
         return (last.x + found.dx_px, last.y + found.dy_px) if found.valid else None

@@ -1,4 +1,4 @@
-"""A chase as a report: where in the picture the fish was, what was known of it, frames."""
+"""A chase as a report: the fish's position in the picture, the follower's state, frames."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from signum.applications.follow.follower import State
+from signum.applications.follow.judge import ChaseFigures, ChaseRow
 from signum.applications.follow.pilot import Where
 from signum.applications.follow.record import FollowRecord
-from signum.applications.follow.simulate import ChaseFigures, Row
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 
 SHARE = {Where.MIDWATER: 95.0, Where.TERRAIN: 90.0}
-"""Per cent of the time in which the fish has to be in the centre quarter."""
+"""Least share of the time, per cent, with the fish in the centre quarter."""
 
 
 def follow_bars(where: Where, f: ChaseFigures) -> tuple[Bar, ...]:
-    """The figures a chase is judged by."""
+    """The figures of a chase with their bounds."""
     return (Bar(f"{where}: time with the fish in the centre quarter, %", 100 * f.centred, ">=", SHARE[where]),
-            Bar(f"{where}: longest time out of view and not said to be lost, s", f.silent_s, "<=", 3.0))
+            Bar(f"{where}: longest time out of view without being reported lost, s", f.silent_s, "<=", 3.0))
 
 
-def draw_chase(rows: Sequence[Row], size: tuple[int, int]) -> Figure:
-    """The fish's true place in a picture of `size` (width, height) over time, and the states."""
+def draw_chase(rows: Sequence[ChaseRow], size: tuple[int, int]) -> Figure:
+    """The fish's true position in a picture of `size` (width, height) over time, and the states."""
     time = np.array([r.time for r in rows])
     drawn, axes = plt.subplots(3, 1, figsize=(9, 6), sharex=True, height_ratios=(3, 3, 1.4))
     for ax, values, length, label in zip(axes, ([r.true_x for r in rows], [r.true_y for r in rows]), size, "xy",
@@ -41,7 +41,7 @@ def draw_chase(rows: Sequence[Row], size: tuple[int, int]) -> Figure:
 
 
 def draw_states(states: Sequence[tuple[float, State]]) -> Figure:
-    """What was known of the fish over time."""
+    """The follower's state over time."""
     drawn, ax = plt.subplots(figsize=(9, 1.8))
     _draw_states(ax, states)
     return drawn

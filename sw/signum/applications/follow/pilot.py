@@ -1,8 +1,8 @@
 """Keeps the fish in the middle: a fast pan/tilt follows its direction, the vehicle follows the pan/tilt slowly.
 
-The fish's direction in the vehicle's axes is what the head's encoders and the target's place in the picture say
-together; an alpha-beta filter gives its rate too. The head gets that rate and a share of what it is off. The vehicle's
-loops have a tenth of the head's bandwidth, so the two do not fight.
+The fish's direction in the vehicle's axes is the pan/tilt's angles plus the target's angles in the picture; an
+alpha-beta filter estimates its rate. The pan/tilt is commanded with that rate plus a gain times its angle error. The
+vehicle's loops have a tenth of the pan/tilt's bandwidth, so the two do not interact.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from signum.applications.pid import Gains, Pid
 from signum.common.arrays import Floats
 
 ALPHA, BETA = 0.6, 0.15
-"""Of the alpha-beta filter; near critical damping, settled in about five frames."""
+"""Gains of the alpha-beta filter; near critical damping, settling in about five frames."""
 HEAD_GAIN = 4.0
-"""Rate of the head per angle it is off, 1/s: at ten frames a second well damped."""
+"""Rate of the pan/tilt per angle error, 1/s: well damped at ten frames a second."""
 SWEEP = 0.45
-"""Rate of the search, rad/s: two or three degrees a frame at ten frames a second, so frames overlap by far."""
+"""Rate of the search, rad/s: two to three degrees a frame at ten frames a second, so frames overlap widely."""
 GROWTH = 0.08
-"""By how much the search's ellipse grows, radians a second: less than a view's width from one turn to the next."""
+"""Growth of the search's ellipse, radians a second: less than the width of view from one turn to the next."""
 
 
 class Where(StrEnum):
-    """What the camera looks at."""
+    """Where the camera looks."""
 
     MIDWATER = "midwater"
     """Ahead, into open water."""
@@ -38,8 +38,8 @@ class Where(StrEnum):
 
 @dataclass(frozen=True)
 class Felt:
-    """What the vehicle's own sensors say: pan and tilt, radians; heading, radians, and depth, metres, less what they
-    should be."""
+    """What the vehicle's own sensors measure: pan and tilt, radians; heading, radians, and depth, metres, less their
+    set points."""
 
     pan: float
     tilt: float
@@ -49,13 +49,13 @@ class Felt:
 
 @dataclass
 class Pilot:
-    """Targets in, rates of the head and forces out.
+    """Targets in, rates of the pan/tilt and forces out.
 
     Attributes:
-        where: decides what the vehicle does to follow its head: ahead it yaws and heaves and keeps its distance; over
-            terrain it moves over the fish and keeps depth and heading.
+        where: decides how the vehicle follows the pan/tilt: in midwater it yaws, heaves and keeps its distance; over
+            terrain it moves above the fish and keeps depth and heading.
         focal, centre: of the camera, pixels.
-        distance_m: to keep from the fish; over terrain, where one camera measures no range, the one taken for true.
+        distance_m: to keep from the fish; over terrain, where one camera measures no range, the assumed range.
         ends: largest |pan| and |tilt| to search, radians.
     """
 
@@ -72,8 +72,8 @@ class Pilot:
     _loops: dict[str, Pid] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        # Second-order loops of 0.5 to 0.7 rad/s for a hull of some 20 kg and 0.4 kg m^2; yaw and depth are held tighter
-        # where nothing else moves them.
+        # Second-order loops of 0.5 to 0.7 rad/s for a hull of some 20 kg and 0.4 kg m^2; over terrain yaw and depth do
+        # not follow the fish and have higher gains.
         follow = Gains(8.0, 0.6, 14.0, 20.0, 60.0)
         if self.where is Where.MIDWATER:
             self._loops = {"surge": Pid(follow), "heave": Pid(follow), "yaw": Pid(Gains(1.6, 0.1, 0.6, 2.0, 10.0))}
@@ -82,13 +82,13 @@ class Pilot:
                            "yaw": Pid(Gains(5.0, 1.0, 0.5, 4.0, 40.0))}
 
     def expects(self, felt: Felt, dt: float) -> tuple[float, float]:
-        """Pixel at which the fish should be in a frame taken `dt` seconds after the last step."""
+        """Predicted pixel of the fish in a frame taken `dt` seconds after the last step."""
         pan, tilt = self._angles + self._rates * dt - (felt.pan, felt.tilt)
         return (self.centre[0] + self.focal * math.tan(np.clip(pan, -1.2, 1.2)),
                 self.centre[1] - self.focal * math.tan(np.clip(tilt, -1.2, 1.2)))
 
     def step(self, target: Target, felt: Felt, dt: float) -> tuple[tuple[float, float], Floats]:
-        """Steer by a frame's target.
+        """Steer by a frame's target; `felt` at its time, `dt` seconds after the frame before.
 
         Returns:
             (pan rate, tilt rate) rad/s, and forces (6,) N and N m in body axes.
@@ -101,20 +101,20 @@ class Pilot:
         predicted = self._angles + self._rates * dt
         if self._lost_for > 0 or not self._angles.any():
             self._rates = np.zeros(2)
-            predicted = self._seen(target, head)
+            predicted = self._direction(target, head)
         self._lost_for = self._phase = 0.0
-        miss = np.zeros(2) if target.state == "coasting" else self._seen(target, head) - predicted
+        miss = np.zeros(2) if target.state == "coasting" else self._direction(target, head) - predicted
         self._angles = predicted + ALPHA * miss
         self._rates = np.clip(self._rates + BETA / dt * miss, -1.5, 1.5)
         rates = self._rates + HEAD_GAIN * (self._angles - head)
         return (float(rates[0]), float(rates[1])), self._follow(target, felt, dt)
 
-    def _seen(self, target: Target, head: Floats) -> Floats:
+    def _direction(self, target: Target, head: Floats) -> Floats:
         return head + np.arctan([(target.x - self.centre[0]) / self.focal, -(target.y - self.centre[1]) / self.focal])
 
     def _search(self, head: Floats, dt: float) -> tuple[float, float]:
-        """Sweep a growing ellipse, first about where the fish was last seen, in the end as far as the head turns; then
-        all over again."""
+        """Sweep a growing ellipse, first around the fish's last direction, in the end over the pan/tilt's whole range;
+        then begin again."""
         size = 0.1 + GROWTH * self._lost_for
         if size > 1.8 * self.ends[0]:
             self._lost_for, size, self._angles = dt, 0.1, np.zeros(2)
@@ -137,10 +137,10 @@ class Pilot:
         return self._forces({name: self._loops[name].step(e, dt) for name, e in errors.items()})
 
     def _wait(self, felt: Felt, dt: float) -> Floats:
-        """Stay about here until the fish is found: in midwater at the depth and heading at which it was lost."""
+        """Stay here until the fish is found: in midwater at the depth and heading at which it was lost."""
         kept = self._left if self.where is Where.MIDWATER and self._left else Felt(0.0, 0.0, 0.0, 0.0)
         own = {"heave": kept.depth - felt.depth, "yaw": kept.heading - felt.heading}
-        if self.where is Where.MIDWATER:  # nothing tells how fast it goes: let the water stop it
+        if self.where is Where.MIDWATER:  # its speed is not measured: drag stops it
             return self._forces({name: self._loops[name].step(error, dt) for name, error in own.items()})
         return self._forces({name: loop.step(own[name], dt) if name in own else loop.hold()
                              for name, loop in self._loops.items()})

@@ -1,4 +1,4 @@
-"""What a chase leaves: `follow.csv`, row by row, frames with the windows and the blob drawn in, a film of them."""
+"""Writes `follow.csv` row by row, and frames with windows and blob drawn in, as a film or for the report."""
 
 from __future__ import annotations
 
@@ -12,16 +12,12 @@ import numpy as np
 from signum.applications.follow.follower import State, Target
 from signum.common.arrays import Image
 from signum.frames.frame import grey
-from signum.report.draw import write_line
+from signum.report.draw import GREEN, RED, YELLOW, write_line
+from signum.tables.schemas import FOLLOW, FOLLOW_TRUTH
 from signum.tables.table import Table
 
-FOLLOW = "frame", "time_s", "state", "x_px", "y_px", "width_px", "height_px", "windows", "range_m"
-"""Of `follow.csv`: where the fish is and what its blob spans; place empty when lost, the rest where not measured."""
-TRUTH = "true_x_px", "true_y_px", "true_range_m", "pan_deg", "tilt_deg"
-"""What a simulated chase has besides."""
-RED, GREEN, ORANGE, YELLOW = (60, 60, 240), (90, 190, 70), (0, 150, 255), (0, 220, 255)
-WHITE, GRAY = (240, 240, 240), (110, 110, 110)
-COLOURS = {State.SEEN: YELLOW, State.KEPT: ORANGE, State.COASTING: ORANGE, State.LOST: RED}
+ORANGE, WHITE, GRAY = (0, 150, 255), (240, 240, 240), (110, 110, 110)
+STATE_COLOURS = {State.SEEN: YELLOW, State.KEPT: ORANGE, State.COASTING: ORANGE, State.LOST: RED}
 
 
 def follow_row(frame: str, time: float, t: Target, factor: tuple[float, float] = (1.0, 1.0)) -> list[object]:
@@ -45,7 +41,7 @@ def draw_target(picture: Image, target: Target) -> Image:
     canvas = np.asarray(cv2.cvtColor(grey(picture), cv2.COLOR_GRAY2BGR), np.uint8)
     height, width = canvas.shape[:2]
     cv2.rectangle(canvas, (width // 4, height // 4), (width - width // 4, height - height // 4), WHITE, 1)
-    s, colour = target.seen, COLOURS[target.state]
+    s, colour = target.seen, STATE_COLOURS[target.state]
     if s is not None:
         for j, v in enumerate(s.y):
             for i, u in enumerate(s.x):
@@ -69,8 +65,9 @@ class FollowRecord:
     """Writes `follow.csv`, and `follow.mp4` where a film is asked for; keeps frames for the report.
 
     Attributes:
-        folder: exists. truth: whether rows carry the simulation's truth. rate: frames per second, of the film.
-        often: seconds between two shots; `most` shots are kept, those where the fish is lost or found first of all.
+        folder: exists. truth: whether rows contain the simulation's truth. rate: frames per second, of the film.
+        often: seconds between two shots; most: largest number of shots, the frames in which the fish is lost or found
+            included.
     """
 
     folder: Path
@@ -86,11 +83,11 @@ class FollowRecord:
     _next_shot: float = field(init=False, default=1.0)
 
     def __post_init__(self) -> None:
-        self._table = Table(self.folder / "follow.csv", [*FOLLOW, *TRUTH] if self.truth else FOLLOW)
+        self._table = Table(self.folder / "follow.csv", [*FOLLOW, *FOLLOW_TRUTH] if self.truth else FOLLOW)
 
     def add(self, name: str, time: float, target: Target, picture: Image,
             factor: tuple[float, float] = (1.0, 1.0), truth: tuple[float, ...] | None = None) -> None:
-        """Take in a frame; `truth`: x, y (NaN out of view), range, pan and tilt in degrees."""
+        """Record a frame; `truth`: x, y (NaN out of view), range, pan and tilt in degrees."""
         row = follow_row(name, time, target, factor)
         if truth is not None:
             row += ["" if math.isnan(v) else f"{v:.3f}" for v in truth]

@@ -1,7 +1,6 @@
 """Which windows of a picture are fish: those that are near (range), or that move against the terrain (motion).
 
-Either way one contiguous blob of windows is kept. Scattered single measurements are mostly wrong ones; a fish is in one
-piece.
+Of these one contiguous blob of windows is kept: isolated windows are mostly wrong measurements.
 """
 
 from __future__ import annotations
@@ -23,16 +22,17 @@ from signum.measure.stereo import RangeMap
 Mask = NDArray[np.bool_]
 
 LEAST_WINDOWS = 3
+"""Least number of windows of a blob."""
 NEAR_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=1.0)
-"""For disparities: a window on the outline of a fish may answer either way, contiguity is the second opinion."""
+"""For disparities: a window on the outline of a fish may match the fish or its background; contiguity decides."""
 FLOW_RULES = Rules(min_score=0.62, min_margin=0.03, backward=False, texture=False)
-"""For flow: what is wrong alone is dropped as no contiguous blob."""
+"""For flow: isolated wrong measurements are rejected by contiguity."""
 SAME_RANGE = 0.08
-"""Relative difference of range within one blob, from window to window."""
+"""Largest relative difference of range between neighbouring windows of one blob."""
 AROUND_PX = 70.0
-"""How far from where the fish is expected a changed window may be part of it."""
+"""Largest distance of a changed window from the fish's expected position at which it may belong to it."""
 DOMINANT_PX = 1.0
-"""By how much terrain may miss the dominant motion: relief moves windows apart."""
+"""Largest residual of terrain from the dominant motion, caused by relief."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,9 @@ class Blob:
     """A contiguous set of windows.
 
     Attributes:
-        x, y: their middle, pixels. width, height: of what they span, pixels.
-        windows: how many; sure: how many of these measured as fish, the others have merely changed.
-        mask: (ny, nx), which of the grid's.
+        x, y: their mean centre, pixels. width, height: of their bounding box, pixels.
+        windows: their number; sure: number of these measured as fish, the others have only changed.
+        mask: (ny, nx), the grid's windows that belong to it.
         range_m: their median range where it was measured, else NaN.
     """
 
@@ -58,9 +58,15 @@ class Blob:
 
 @dataclass(frozen=True, eq=False)
 class Segmented:
-    """What a segmentation says of a grid of windows with centres x (nx,), y (ny,), pixels: which are fish (ny, nx),
-    which have been measured at all (ny, nx), which look like nothing they should look like, as a fish does that turns
-    (ny, nx), and their range (ny, nx), metres, NaN where unknown."""
+    """A segmented grid of windows.
+
+    Attributes:
+        x, y: centres (nx,), (ny,), pixels.
+        fish: (ny, nx), windows that are fish.
+        known: (ny, nx), windows with a valid measurement.
+        changed: (ny, nx), windows that should be in view but match nowhere, as on a fish that turns.
+        range_m: (ny, nx) metres, NaN where unknown.
+    """
 
     x: Floats
     y: Floats
@@ -70,19 +76,19 @@ class Segmented:
     range_m: Floats
 
 
-def by_range(found: RangeMap, geometry: StereoGeometry, nearer: float) -> Segmented:
-    """Fish is what is nearer than `nearer` metres."""
+def segment_by_range(found: RangeMap, geometry: StereoGeometry, nearer: float) -> Segmented:
+    """Windows nearer than `nearer` metres are fish."""
     depth = geometry.depth(found.disparity)
     return Segmented(found.x, found.y, np.asarray(depth < nearer), found.valid, np.zeros_like(found.valid), depth)
 
 
-def by_motion(field: FlowField, size: tuple[int, int], disagree_px: float = 1.5) -> Segmented:
-    """Fish is what moves otherwise than the picture as a whole, by more than `disagree_px`.
+def segment_by_motion(field: FlowField, size: tuple[int, int], disagree_px: float = 1.5) -> Segmented:
+    """Windows whose motion differs from the dominant one by more than `disagree_px` are fish.
 
-    The whole picture's motion is the homography that most windows agree on (RANSAC): that of the terrain, as long as it
-    is fairly flat and fills the larger part of the view, however the camera turns. With fewer than twelve measured
-    windows nothing is fish. A window that terrain would have kept inside the picture of `size` (width, height), yet
-    matches nowhere, has changed.
+    The dominant motion is the homography that most windows agree on (RANSAC): that of the terrain, for any rotation of
+    the camera, if the terrain is fairly flat and fills most of the view. With fewer than twelve measured windows there
+    is no fish. A window that the dominant motion keeps inside the picture of `size` (width, height), yet matches
+    nowhere, has changed.
     """
     known = field.valid
     u, v = np.meshgrid(field.x, field.y)
@@ -102,8 +108,8 @@ def by_motion(field: FlowField, size: tuple[int, int], disagree_px: float = 1.5)
 
 
 def _connected(fish: Mask, range_m: Floats) -> tuple[int, NDArray[np.int64]]:
-    """How many contiguous sets of windows there are, and each window's, -1 for none. Neighbours whose ranges differ are
-    apart: snow flakes side by side are no fish."""
+    """Number of contiguous sets of windows, and each window's set, -1 for none. Neighbours of different range are not
+    connected: adjacent snow flakes are not a fish."""
     rows, columns = np.nonzero(fish)
     near = np.log(range_m[rows, columns])
     joined = ((np.abs(rows[:, None] - rows) <= 1) & (np.abs(columns[:, None] - columns) <= 1)
@@ -115,12 +121,12 @@ def _connected(fish: Mask, range_m: Floats) -> tuple[int, NDArray[np.int64]]:
 
 
 def one_blob(seen: Segmented, near: tuple[float, float] | None = None, least: int = LEAST_WINDOWS) -> Blob | None:
-    """The contiguous blob of fish windows (corners touch) that is kept: the largest, or of several the one that is
-    large for its distance from `near`, to which changed windows around belong too.
+    """The best contiguous blob of fish windows (8-neighbours): the largest, or with `near` the one with the best ratio
+    of size to distance from it, including changed windows around it.
 
     Args:
-        near: where the fish is expected, pixels; None for anywhere.
-        least: windows a blob must have.
+        near: expected position of the fish, pixels; None for any.
+        least: least number of windows.
 
     Returns:
         None if there is none.

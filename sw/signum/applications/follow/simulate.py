@@ -1,48 +1,42 @@
-"""Following a fish in the simulated world, with the truth beside every answer."""
+"""Following a fish in the simulated world, with the truth beside every target."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from signum.applications.follow.follower import (
-    MOTION_WINDOW,
-    RANGE_WINDOW,
-    Eye,
-    Follower,
-    MotionEye,
-    RangeEye,
-    State,
-    Target,
-)
+from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye
+from signum.applications.follow.follower import Follower, Target
+from signum.applications.follow.judge import ChaseRow
 from signum.applications.follow.pilot import Felt, Pilot, Where
 from signum.common.arrays import Image
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurer
-from signum.world.camera import Pinhole
+from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.fish import Fish
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import AHEAD, DOWN, Current, PanTilt, Vehicle
 from signum.world.water import COASTAL, Water
 from signum.world.world import World
 
-BASELINE_M = 0.12
 SWELL = Current(steady=(0.02, 0.04), surge=(0.03, 0.03, 0.02), period=8.0)
+"""The current of a chase."""
 
 
 @dataclass(frozen=True)
 class Chase:
-    """A fish to follow.
+    """A chase to simulate.
 
     Attributes:
         where: midwater, by range; or terrain, by motion.
         seconds: length; rate: frames per second.
+        speed: of the fish, m/s.
+        current, water: of the sea.
         darts: seconds at which the fish darts away at `dart` m/s (world) for 0.7 s, out of the view.
-        window: side of the windows, pixels; None for the eye's own.
+        seed: of everything.
+        window: side of the windows, pixels; None for the eye's default.
     """
 
     where: Where = Where.MIDWATER
@@ -59,8 +53,17 @@ class Chase:
 
 @dataclass(frozen=True, eq=False)
 class Glimpse:
-    """A frame, or stereo pair, of a chase: answer, and the truth: the fish's pixel (NaN where it is not in view), its
-    distance, head (pan, tilt) and vehicle."""
+    """A frame, or stereo pair, of a chase.
+
+    Attributes:
+        time: seconds.
+        target: the follower's.
+        truth: the fish's pixel, NaN out of view.
+        range_m: true distance of the fish, metres.
+        head: pan and tilt, radians.
+        position: of the vehicle, world metres.
+        frames: uint8 (height, width), one or two.
+    """
 
     time: float
     target: Target
@@ -74,6 +77,11 @@ class Glimpse:
     def frame(self) -> Image:
         """The frame, or the left one of the pair."""
         return self.frames[0]
+
+    def row(self, camera: Pinhole, length_m: float = 0.5) -> ChaseRow:
+        """What is judged of it, for a fish of length `length_m` metres."""
+        return ChaseRow(self.time, self.centred(camera.size), *self.truth, self.target.state, self.target.x,
+                        self.target.y, length_m * camera.focal / max(self.range_m, 0.2))
 
     def centred(self, size: tuple[int, int]) -> bool:
         """Whether the fish is in the centre quarter: the middle half across and down."""
@@ -94,9 +102,9 @@ def _scene(chase: Chase) -> tuple[World, Vehicle]:
             Vehicle(current=chase.current, position=np.array([0.0, 0.0, -3.0])))
 
 
-def follow(measurer: Callable[[tuple[int, int]], Measurer], chase: Chase, camera: Pinhole | None = None
+def simulate_chase(measurer: Callable[[tuple[int, int]], Measurer], chase: Chase, camera: Pinhole | None = None
            ) -> Iterator[Glimpse]:
-    """Follow a fish, frame by frame."""
+    """Follow a fish, frame by frame; `measurer` makes a measurer for a picture size (width, height)."""
     camera = camera or Pinhole()
     world, vehicle = _scene(chase)
     fish, head, dt = world.fish[0], PanTilt(), 1 / chase.rate
@@ -130,56 +138,3 @@ def follow(measurer: Callable[[tuple[int, int]], Measurer], chase: Chase, camera
         world.step(dt)
         if any(t <= world.time < t + 0.7 for t in chase.darts):
             fish.position = fish.position + np.array(chase.dart) * dt
-
-
-class Row(NamedTuple):
-    """A glimpse without its picture: time, whether the fish is in the centre quarter, its true pixel (NaN out of view),
-    the answer's state and pixel, and the fish's length in pixels."""
-
-    time: float
-    centred: bool
-    true_x: float
-    true_y: float
-    state: State
-    x: float
-    y: float
-    length_px: float
-
-    @classmethod
-    def of(cls, g: Glimpse, camera: Pinhole, length_m: float = 0.5) -> Row:
-        """Of a glimpse through a camera."""
-        return cls(g.time, g.centred(camera.size), *g.truth, g.target.state, g.target.x, g.target.y,
-                   length_m * camera.focal / max(g.range_m, 0.2))
-
-
-@dataclass(frozen=True)
-class ChaseFigures:
-    """What a chase was like: shares of the frames from `settle` on, seconds.
-
-    `centred` is the share in which the fish is in the centre quarter, `wrong` that in which the target is said not to
-    be lost, yet lies farther from the fish than its length; `silent_s` the longest time for which the fish was out of
-    view and not said to be lost; `finds` how often it was found again.
-    """
-
-    centred: float
-    in_view: float
-    lost: float
-    wrong: float
-    silent_s: float
-    longest_lost_s: float
-    finds: int
-
-
-def judge(rows: Sequence[Row], rate: float = 10.0, settle: float = 5.0) -> ChaseFigures:
-    """Figures of a chase."""
-    rows = [r for r in rows if r.time >= settle]
-    seen = np.array([np.isfinite(r.true_x) for r in rows])
-    lost = np.array([r.state is State.LOST for r in rows])
-    far = np.array([not np.hypot(r.x - r.true_x, r.y - r.true_y) <= r.length_px for r in rows])
-    return ChaseFigures(float(np.mean([r.centred for r in rows])), float(seen.mean()), float(lost.mean()),
-                        float((~lost & far).mean()), _longest(~seen & ~lost) / rate, _longest(lost) / rate,
-                        int((lost[:-1] & ~lost[1:]).sum()))
-
-
-def _longest(flags: NDArray[np.bool_]) -> int:
-    return max((len(run) for run in "".join("1" if f else "0" for f in flags).split("0")), default=0)

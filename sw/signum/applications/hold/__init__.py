@@ -1,2 +1,1 @@
-"""Station keeping: where the vehicle is relative to where it began, from a fixed view of the seafloor, and how it
-stays there."""
+"""Station keeping: the vehicle's offset from a reference view of the seafloor, and the control that holds it at 0."""

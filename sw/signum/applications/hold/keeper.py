@@ -1,4 +1,4 @@
-"""Keeps the vehicle on station: a PID per axis on the meter's readings, and what to do when there are none."""
+"""Keeps the vehicle on station by the meter's readings, and by a substitute reference or the gyro without them."""
 
 from __future__ import annotations
 
@@ -6,48 +6,30 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from signum.applications.hold.meter import UPRIGHT, Level, Reading, StationMeter
-from signum.applications.hold.tuning import Axis
-from signum.applications.pid import Gains, Pid
+from signum.applications.hold.loops import Axes, BodyLoops
+from signum.applications.hold.meter import StationMeter
+from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats
 from signum.measure.measurer import View
 
-WIDEN = 4
-"""Pixels by which the search widens with every frame without a reading."""
-WIDEST = 60
-STRIDE_M = 0.2
-"""The farthest the controller is told it is off: the way back is made at a pace the search can follow."""
-ADRIFT = 40
-"""Frames without anything seen after which the vehicle holds wherever it is."""
-PARTED = 0.012
-"""Radians by which a reading's heading and the gyro's may part."""
+WIDEN_PX = 4
+"""Pixels by which the search range grows with every frame without a reading."""
+WIDEN_MOST_PX = 60
+"""Largest growth of the search range, pixels."""
+GIVE_UP_FRAMES = 40
+"""Frames without any measurement after which the vehicle holds its present position."""
+MAX_GYRO_MISS = 0.012
+"""Largest difference between a reading's heading and the gyro's, radians; beyond it the reading has no confidence."""
 GYRO_SHARE = 0.03
-"""Share of their difference by which the gyro's heading follows at every frame: in three seconds."""
-EASY = 0.6
-"""Share of a reference's features in sight below which a stand-in is taken: it may be about to leave the view."""
-
-
-@dataclass(frozen=True)
-class Axes:
-    """What the controller knows of the vehicle, and the gains `tuning.tune` found for that: surge, sway, heave, yaw.
-
-    The vehicle's own sensors and autopilot damp yaw; thrusters slew from end to end in a tenth of a second.
-    """
-
-    axes: tuple[Axis, ...] = (Axis(16.0, 18.0, 40.0), Axis(22.0, 10.0, 40.0), Axis(24.0, 12.0, 40.0),
-                              Axis(0.4, 0.3, 6.0, damper=2.6))
-    tuned: tuple[tuple[float, float, float], ...] = (
-        (67.1, 141.5, 62.5), (60.0, 110.1, 76.8), (68.2, 125.9, 84.2), (5.91, 17.0, 1.26))
-
-    def loops(self) -> list[Pid]:
-        """A controller for each axis."""
-        return [Pid(Gains(*tuned, limit=axis.limit, slew=20 * axis.limit))
-                for axis, tuned in zip(self.axes, self.tuned, strict=True)]
+"""Share of that difference by which the gyro's heading is corrected at every frame: a time constant of three seconds at
+ten frames a second."""
+SAFE_SHARE = 0.6
+"""Share of a reference's features in view below which a substitute is taken: the reference may soon leave the view."""
 
 
 @dataclass(frozen=True)
 class Sensed:
-    """What the vehicle's own sensors say at the moment of a frame: roll, pitch, pan and tilt, radians; yaw rate,
+    """What the vehicle's own sensors measure at the time of a frame: roll, pitch, pan and tilt, radians; yaw rate,
     radians per second, None without a gyro."""
 
     level: Level = UPRIGHT
@@ -58,98 +40,93 @@ class Sensed:
 class StationKeeper:
     """Frame in, forces out.
 
-    While the station is out of sight, a stand-in reference, taken when it was about to leave the view, tells the way
-    back; its offsets steer the vehicle but are never given out as readings. With nothing in sight at all the vehicle
-    keeps its heading by its gyro and the thrust it needed against the current.
+    While the station is out of view, the offset comes from a substitute reference, which was taken when the station was
+    about to leave the view. Such offsets steer the vehicle but are never reported as readings. Without any
+    measurement the vehicle keeps its heading by its gyro and the thrust it needed against the current.
 
     Attributes:
         meter: anchored on the station.
         axes: the vehicle.
-        blind: frames since the last thing of any kind was seen.
+        blind: frames since the last measurement of either reference.
     """
 
     meter: StationMeter
     axes: Axes = field(default_factory=Axes)
     blind: int = 0
-    _loops: list[Pid] = field(init=False, repr=False)
-    _stand_in: tuple[StationMeter, Reading] | None = field(init=False, default=None, repr=False)
+    _loops: BodyLoops = field(init=False, repr=False)
+    _substitute: tuple[StationMeter, Reading] | None = field(init=False, default=None, repr=False)
     _offset: Reading = field(init=False, repr=False)
-    _adrift: bool = field(init=False, default=False)
+    _gave_up: bool = field(init=False, default=False)
     _by_gyro: float = field(init=False, default=0.0)
-    _errors: Floats | None = field(init=False, default=None, repr=False)
 
     def __post_init__(self) -> None:
-        self._loops = self.axes.loops()
+        self._loops = BodyLoops(self.axes)
         self._offset = Reading(range_m=self.meter.range_m)
 
     def step(self, live: View, sensed: Sensed, dt: float) -> tuple[Reading, Floats]:
-        """Read a view, which is the keeper's from then on; forces (6,) N and N m in body axes to bring the vehicle
-        back."""
-        wide = min(WIDEN * self.blind, WIDEST)
-        yaw_rate = sensed.yaw_rate or 0.0
-        heading = self._offset.heading + yaw_rate * dt
+        """Measure a view and steer.
+
+        Args:
+            live: the view; the keeper releases it.
+            sensed: at the time of the view.
+            dt: seconds since the view before.
+
+        Returns:
+            The reading, and forces (6,) N and N m in body axes that bring the vehicle back.
+        """
+        wide = min(WIDEN_PX * self.blind, WIDEN_MOST_PX)
+        heading = self._offset.heading + (sensed.yaw_rate or 0.0) * dt
         if self.blind:
             self.meter.expect(replace(self._offset, heading=heading))
-        reading = self.meter.read(live, sensed.level, WIDEST if self._adrift else wide)
-        seen = reading if reading.valid else self._by_stand_in(live, sensed, wide)
-        if seen is None:
-            self.blind += 1
-            self._offset = replace(self._offset, heading=heading)
-            if self.blind == ADRIFT:  # the way back is lost: at least stay here
-                self._take_stand_in(live, Reading(range_m=self.meter.range_m), sensed.level)
-                self._adrift = True
-            else:
-                self.meter.measurer.release(live)
-            self._errors = None
-            self._by_gyro += yaw_rate * dt
-            forces = [loop.hold() for loop in self._loops[:3]]
-            return reading, self._forces([*forces, self._loops[3].step(-heading, dt, -yaw_rate)])
+        reading = self.meter.read(live, sensed.level, WIDEN_MOST_PX if self._gave_up else wide)
+        offset = reading if reading.valid else self._by_substitute(live, sensed, wide)
+        if offset is None:
+            return reading, self._without_sight(live, sensed, heading, dt)
         self.blind = 0
-        self._adrift = self._adrift and not reading.valid
-        self._offset = seen
-        if reading.valid and reading.agreed >= EASY * self.meter.offered:
-            self._drop_stand_in()
-            self.meter.measurer.release(live)
-        elif self._stand_in is None or (not reading.valid and seen.agreed < EASY * self._stand_in[0].offered):
-            self._take_stand_in(live, seen, sensed.level)
+        self._gave_up = self._gave_up and not reading.valid
+        self._offset = offset
+        self._renew_substitute(live, reading, offset, sensed.level)
+        return self._checked(reading, sensed, dt), self._loops.step(self._errors(offset), dt)
+
+    def _without_sight(self, live: View, sensed: Sensed, heading: float, dt: float) -> Floats:
+        """Forces for a view in which neither reference is found."""
+        yaw_rate = sensed.yaw_rate or 0.0
+        self.blind += 1
+        self._offset = replace(self._offset, heading=heading)
+        if self.blind == GIVE_UP_FRAMES:  # the way back is lost: at least stay here
+            self._take_substitute(live, Reading(range_m=self.meter.range_m), sensed.level)
+            self._gave_up = True
         else:
             self.meter.measurer.release(live)
-        if reading.valid and self._stand_in is not None:
-            self._stand_in[0].expect(reading.since(self._stand_in[1]))
-        return self._believed(reading, sensed, dt), self._forces(self._steer(seen, dt))
+        self._by_gyro += yaw_rate * dt
+        return self._loops.coast_on_heading(-heading, -yaw_rate, dt)
 
-    def _believed(self, reading: Reading, sensed: Sensed, dt: float) -> Reading:
-        """The reading, without confidence where its heading and the gyro's part: a few windows at the edge of the view,
-        moved by relief, turn the fit a little more with every frame, which a gyro would feel."""
+    def _checked(self, reading: Reading, sensed: Sensed, dt: float) -> Reading:
+        """The reading, without confidence where its heading differs from the gyro's: a few windows at the edge of the
+        view, displaced by relief, rotate the fit a little more with every frame, which the gyro does not measure."""
         if sensed.yaw_rate is None:
             return reading
         self._by_gyro += sensed.yaw_rate * dt
         if not reading.valid:
             return reading
         miss = reading.heading - self._by_gyro
-        if abs(miss) > PARTED:
+        if abs(miss) > MAX_GYRO_MISS:
             return Reading(agreed=reading.agreed, tried=reading.tried)
         self._by_gyro += GYRO_SHARE * miss
         return reading
 
-    def _steer(self, offset: Reading, dt: float) -> list[float]:
-        """The errors in the body's present axes: the station is behind by what the vehicle is ahead."""
+    def _errors(self, offset: Reading) -> Floats:
+        """Errors (4,) in the present body axes: the station lies as far behind as the vehicle is ahead of it."""
         c, s = np.cos(offset.heading), np.sin(offset.heading)
         forward = -(c * offset.forward + s * offset.right)
         right = -(-s * offset.forward + c * offset.right)
-        errors = np.array([forward, right, offset.range_m - self.meter.range_m, -offset.heading], np.float64)
-        rates = np.zeros(4) if self._errors is None else (errors - self._errors) / dt
-        self._errors = errors
-        far = max(1.0, float(np.hypot(forward, right)) / STRIDE_M)
-        near = far <= 1  # a push is no current: what it takes to come back from far away must not be learnt
-        shown = errors / np.array([far, far, 1.0, 1.0])
-        return [loop.step(float(e), dt, float(r), near) for loop, e, r in zip(self._loops, shown, rates, strict=True)]
+        return np.array([forward, right, offset.range_m - self.meter.range_m, -offset.heading], np.float64)
 
-    def _by_stand_in(self, live: View, sensed: Sensed, wide: int) -> Reading | None:
-        """The offset from the station by the stand-in reference; None without one, or if that is lost too."""
-        if self._stand_in is None:
+    def _by_substitute(self, live: View, sensed: Sensed, wide: int) -> Reading | None:
+        """The offset from the station by the substitute reference; None where there is none, or it is not found."""
+        if self._substitute is None:
             return None
-        meter, base = self._stand_in
+        meter, base = self._substitute
         reading = meter.read(live, sensed.level, wide)
         if not reading.valid:
             return None
@@ -157,20 +134,30 @@ class StationKeeper:
         self.meter.expect(offset)
         return offset
 
-    def _take_stand_in(self, live: View, offset: Reading, level: Level) -> None:
-        self._drop_stand_in()
+    def _renew_substitute(self, live: View, reading: Reading, offset: Reading, level: Level) -> None:
+        """Take a substitute reference where the present one may soon leave the view, drop it where the station is well
+        in view; release the view where it is not kept."""
+        if reading.valid and reading.agreed >= SAFE_SHARE * self.meter.offered:
+            self._drop_substitute()
+            self.meter.measurer.release(live)
+        elif self._substitute is None or (not reading.valid
+                                          and offset.agreed < SAFE_SHARE * self._substitute[0].offered):
+            self._take_substitute(live, offset, level)
+        else:
+            self.meter.measurer.release(live)
+        if reading.valid and self._substitute is not None:
+            self._substitute[0].expect(reading.since(self._substitute[1]))
+
+    def _take_substitute(self, live: View, offset: Reading, level: Level) -> None:
+        self._drop_substitute()
         m = self.meter
         meter = StationMeter(m.measurer, m.focal, offset.range_m, m.window, m.features, 2 * m.reach)
         if meter.anchor(live, level) >= meter.least:
-            self._stand_in = meter, offset
+            self._substitute = meter, offset
         else:
             meter.release()
 
-    def _drop_stand_in(self) -> None:
-        if self._stand_in is not None:
-            self._stand_in[0].release()
-            self._stand_in = None
-
-    @staticmethod
-    def _forces(axes: list[float]) -> Floats:
-        return np.array([axes[0], axes[1], axes[2], 0.0, 0.0, axes[3]])
+    def _drop_substitute(self) -> None:
+        if self._substitute is not None:
+            self._substitute[0].release()
+            self._substitute = None

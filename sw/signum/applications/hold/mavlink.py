@@ -1,7 +1,7 @@
 """Readings as MAVLink `VISION_POSITION_DELTA` (11011), as an ArduSub vehicle takes them: body FRD, 8 to 10 Hz.
 
-The autopilot integrates the deltas; they come from a fixed reference, so their sum does not drift. Frames that come
-faster than messages are due are passed over: the next message spans them.
+The autopilot integrates the deltas; they are measured against a fixed reference, so their sum does not drift. Frames
+between two due messages are skipped: the next message spans them.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import os
 from types import TracebackType
 from typing import Any, Self
 
-from signum.applications.hold.meter import Reading
+from signum.applications.hold.reading import Reading
 from signum.common.errors import SignumError
 
-os.environ.setdefault("MAVLINK20", "1")  # before pymavlink is imported: the message is one of MAVLink 2
+os.environ.setdefault("MAVLINK20", "1")  # read by pymavlink at import; the message belongs to MAVLink 2
 
 SYSTEM, COMPONENT = 1, 197  # MAV_COMP_ID_VISUAL_INERTIAL_ODOMETRY
 
@@ -24,7 +24,7 @@ class MavlinkSink:
 
     Args:
         address: as pymavlink takes it, `udpout:HOST:PORT`.
-        rate: messages a second, at most.
+        rate: largest number of messages a second.
 
     Raises:
         SignumError: if the address cannot be opened.
@@ -42,8 +42,8 @@ class MavlinkSink:
         self.sent = 0
 
     def send(self, time: float, reading: Reading) -> None:
-        """Send the change since the last message's reading, if one is due; confidence 0 and no change where either is
-        not valid.
+        """Send the change since the last message's reading, if a message is due; confidence 0 and no change where
+        either reading is not valid.
 
         Args:
             time: of the frame, seconds.
@@ -55,7 +55,7 @@ class MavlinkSink:
         if before is None:
             self._due = time + self._period
             return
-        self._due = max(self._due, time - self._period) + self._period  # a frame that came late delays no other
+        self._due = max(self._due, time - self._period) + self._period  # a late frame delays no other
         angle, position, confidence = [0.0] * 3, [0.0] * 3, 0
         old = before[1]
         if old.valid and reading.valid:

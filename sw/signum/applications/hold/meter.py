@@ -6,90 +6,29 @@ the vehicle's roll and pitch. So the similarity q = F p + t that most windows ag
 
     zoom = |F| = Z0 / Z,   yaw = -arg F,   T = -t (Z / f) exp(i yaw).
 
-With two features, small angles and Z = Z0 = R these are equations 4 to 7. Every window is searched for in the live
-view against the reference view,
-which never changes: there is nothing that could drift.
+With two features, small angles and Z = Z0 = R these are equations 4 to 7. Every window of the reference view is
+searched for in the live view; the reference never changes, so the offset does not drift.
 """
 
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats
-from signum.geometry.camera import LOOK_DOWN, pan_tilt, rotation
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query, Rules, View
 
-
-class Level(NamedTuple):
-    """How the camera is turned from looking straight down, radians: the vehicle's roll and pitch, (0, 0) where it has
-    no attitude sensor, and the pan and tilt of the camera's head, if it sits on one."""
-
-    roll: float = 0.0
-    pitch: float = 0.0
-    pan: float = 0.0
-    tilt: float = 0.0
-
-    @property
-    def turn(self) -> Floats:
-        """Camera to level camera (3, 3)."""
-        return LOOK_DOWN.T @ rotation(self.roll, self.pitch, 0.0) @ LOOK_DOWN @ pan_tilt(self.pan, self.tilt)
-
-
-UPRIGHT = Level()
-
 HOLD_RULES = Rules(min_score=0.6, min_margin=0.02, max_return_px=1.5)
 TOLERANCE_PX = 4.0
-"""By how much an agreeing window may miss the common similarity: relief and viewing angle move windows apart."""
+"""Largest residual of a window that agrees with the common similarity, pixels; relief and viewing angle cause it."""
 MAX_TURN_ERROR = 0.01
-"""Standard error, radians, above which a fitted rotation is not given out."""
+"""Standard error of the fitted rotation, radians, above which a reading has no confidence."""
 LEAST_NOISE_PX = 1.0
-"""Assumed at least for a window's miss in that error: a handful agrees by chance better than it should."""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """The vehicle's offset from its station.
-
-    Attributes:
-        forward, right: metres in the reference's body axes, level.
-        heading: radians, clockwise seen from above.
-        zoom: initial range divided by the present one; range_m: present range, metres.
-        confidence: 0 to 100; 0 means that nothing else here is valid.
-        agreed: features that agree; tried: features searched for.
-    """
-
-    forward: float = 0.0
-    right: float = 0.0
-    heading: float = 0.0
-    zoom: float = 1.0
-    range_m: float = 0.0
-    confidence: int = 0
-    agreed: int = 0
-    tried: int = 0
-
-    @property
-    def valid(self) -> bool:
-        """Whether the reading means anything."""
-        return self.confidence > 0
-
-    def since(self, base: Reading) -> Reading:
-        """This reading as seen from a reference that stood at `base`: the inverse of `after`."""
-        c, s = np.cos(base.heading), np.sin(base.heading)
-        ahead, aside = self.forward - base.forward, self.right - base.right
-        return replace(self, forward=float(c * ahead + s * aside), right=float(-s * ahead + c * aside),
-                       heading=self.heading - base.heading)
-
-    def after(self, base: Reading) -> Reading:
-        """This reading, taken from a reference that itself stood at `base`, as seen from base's own station."""
-        c, s = np.cos(base.heading), np.sin(base.heading)
-        return replace(self, forward=base.forward + float(c * self.forward - s * self.right),
-                       right=base.right + float(s * self.forward + c * self.right), heading=base.heading + self.heading)
+"""Lower bound of the windows' residual in that error, pixels: the residual of a few windows may be small by chance."""
 
 
 class StationMeter:
@@ -98,11 +37,11 @@ class StationMeter:
     Args:
         measurer: at the frames' size.
         focal: pixels.
-        range_m: range of the seafloor in the reference frame, metres: from stereo, or a guess, which then scales the
-            offsets.
+        range_m: range of the seafloor in the reference frame, metres, from stereo or assumed; offsets are
+            proportional to it.
         window: side of the feature windows, pixels.
-        features: how many to follow, at most.
-        reach: pixels searched around a predicted place.
+        features: largest number of features.
+        reach: half side of the search range around a predicted position, pixels.
     """
 
     def __init__(self, measurer: Measurer, focal: float, range_m: float, window: int = 64, features: int = 12,
@@ -119,19 +58,20 @@ class StationMeter:
 
     @property
     def offered(self) -> int:
-        """Features the reference offers."""
+        """Number of features in the reference."""
         return len(self._centres)
 
     def release(self) -> None:
-        """Give the reference view back."""
+        """Release the reference view."""
         if self._reference is not None:
             self.measurer.release(self._reference)
             self._reference = None
 
     def anchor(self, view: View, level: Level = UPRIGHT) -> int:
-        """Make a view the station's reference and keep it; returns how many features it offers.
+        """Make a view the station's reference and keep it; returns its number of features.
 
-        Every part of the image may be a feature; of a grid, those that look least like their own surroundings are kept.
+        Any part of the image can be a feature; of a grid of candidates, those least similar to their own surroundings
+        are kept.
         """
         self.release()
         self._reference = view
@@ -148,7 +88,7 @@ class StationMeter:
         return len(self._centres)
 
     def expect(self, offset: Reading) -> None:
-        """Say where the vehicle is believed to be: the next search begins there."""
+        """Set the offset at which the next search is centred."""
         zoom = self.range_m / offset.range_m
         moved = complex(offset.right, -offset.forward)
         turn = cmath.exp(-1j * offset.heading)
@@ -161,13 +101,13 @@ class StationMeter:
         Args:
             live: of the same measurer.
             level: roll and pitch at the moment of the view.
-            wide: pixels to search further than usual, after readings have failed.
+            wide: pixels added to the search range, after readings have failed.
 
         Returns:
             A reading; confidence 0 where too few features agree.
         """
         if self._reference is None:
-            raise RuntimeError("anchor a reference view first")
+            raise RuntimeError("no reference view: call anchor first")
         predicted = Similarity(self._last.factor, self._last.shift + self._drift)
         at = np.array(self._centres, np.float64).reshape(-1, 2)
         ahead = self._tilted(predicted(self._anchors), level)
@@ -199,15 +139,15 @@ class StationMeter:
         return self._reading(similarity, agreed, max(visible, agreed), score)
 
     def features_at(self, level: Level = UPRIGHT) -> Floats:
-        """Where the last reading, or `expect`, puts the features: pixels (n, 2) of the frame."""
+        """Positions of the features by the last reading or `expect`: pixels (n, 2) of the frame."""
         return self._tilted(self._last(self._anchors), level)
 
     def middle_at(self, level: Level = UPRIGHT) -> Floats:
-        """Where it puts the ground point below the station: pixel (2,) of the frame."""
+        """Position of the ground point below the station, likewise: pixel (2,) of the frame."""
         return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
 
     def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float) -> Reading:
-        """Equations 4 to 7, without their small angles."""
+        """Equations 4 to 7 without the small-angle approximation."""
         zoom, heading = similarity.scale, -cmath.phase(similarity.factor)
         range_m = self.range_m / zoom
         moved = -similarity.shift * (range_m / self.focal) * cmath.exp(1j * heading)
@@ -216,11 +156,11 @@ class StationMeter:
         return Reading(-moved.imag, moved.real, heading, zoom, range_m, max(confidence, 1), agreed, tried)
 
     def _levelled(self, points: Floats, level: Level) -> Floats:
-        """Pixels from the image centre at which a level camera would see what this one sees at `points`."""
+        """Pixels from the image centre in a level camera of what this camera sees at `points`."""
         return self._turned(points - self.centre, level.turn)
 
     def _tilted(self, points: Floats, level: Level) -> Floats:
-        """The way back: pixels of the frame."""
+        """The inverse of `_levelled`: pixels of the frame."""
         return self._turned(points, level.turn.T) + self.centre
 
     def _turned(self, points: Floats, turn: Floats) -> Floats:
@@ -234,7 +174,7 @@ class StationMeter:
 
 
 def _turn_error(anchors: Floats, found: Floats, similarity: Similarity) -> float:
-    """Standard error of the fitted rotation, radians: few windows on a small part of the image say little of it."""
+    """Standard error of the fitted rotation, radians; large for few windows on a small part of the image."""
     miss = found - similarity(anchors)
     noise = max(LEAST_NOISE_PX, float(np.sqrt((miss**2).sum() / max(2 * len(anchors) - 4, 1))))
     lever = float(np.sqrt(((anchors - anchors.mean(axis=0))**2).sum()))
@@ -242,7 +182,7 @@ def _turn_error(anchors: Floats, found: Floats, similarity: Similarity) -> float
 
 
 def _spread(order: list[int], places: list[tuple[int, int]], count: int) -> list[int]:
-    """The first of `order`, then ever the one of the better half that lies farthest from those chosen."""
+    """The first of `order`, then repeatedly the candidate of the better three quarters farthest from those chosen."""
     pool = list(order[:max(count, (len(order) * 3) // 4)])
     chosen: list[int] = pool[:1]
     while pool and len(chosen) < min(count, len(pool)):

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from signum.applications.hold.simulate import HoldFigures
+from signum.applications.hold.judge import HoldFigures
 from signum.common.arrays import Floats, Image
 from signum.report.page import Bar, Section, figure, paragraph, plot, row, table
 
@@ -40,7 +40,7 @@ def draw_series(series: Floats) -> Figure:
 
 
 def hold_bars(f: HoldFigures) -> tuple[Bar, ...]:
-    """The figures a hold is judged by, and what they have to be."""
+    """The figures of a hold with their bounds."""
     return (Bar("position RMS, cm", 100 * f.rms_m, "<=", 2.0),
             Bar("heading RMS, degrees", float(np.degrees(f.heading_rms)), "<=", 0.5),
             Bar("range kept, RMS, %", 100 * f.range_rms, "<=", 1.0),

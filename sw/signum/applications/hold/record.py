@@ -1,4 +1,4 @@
-"""What a hold leaves: `hold.csv`, row by row, and a few frames with the reading drawn in."""
+"""Writes `hold.csv` row by row, and keeps some frames with the reading drawn in for the report."""
 
 from __future__ import annotations
 
@@ -9,18 +9,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from signum.applications.hold.meter import Reading
+from signum.applications.hold.reading import Reading
 from signum.common.arrays import Floats, Image
 from signum.frames.frame import grey
-from signum.report.draw import write_line
+from signum.report.draw import GREEN, RED, write_line
+from signum.tables.schemas import HOLD, HOLD_TRUTH
 from signum.tables.table import Table
-
-HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
-"""Of `hold.csv`: x ahead and y to the right of the station, rotation clockwise seen from above, zoom and range of
-equations 6 and 7; empty where confidence is 0."""
-TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
-"""What a simulated hold has besides."""
-GREEN, RED = (90, 220, 70), (60, 60, 235)
 
 
 def hold_row(frame: str, time: float, r: Reading) -> list[object]:
@@ -30,15 +24,14 @@ def hold_row(frame: str, time: float, r: Reading) -> list[object]:
     return [frame, f"{time:.3f}", *figures, r.confidence, r.agreed, r.tried]
 
 
-def draw_reading(picture: Image, reading: Reading, features: Floats, window: int, words: str = ""
-                 ) -> Image:
-    """A frame with the station's features where the reading puts them, red where there is no reading.
+def draw_reading(picture: Image, reading: Reading, features: Floats, window: int, words: str = "") -> Image:
+    """A frame with the station's features at their positions by the reading, red where it is not valid.
 
     Args:
         picture: uint8 (H, W) or (H, W, 3).
         features: (n, 2) pixels.
-        window: side of the windows, drawn at a third.
-        words: put before the reading's figures.
+        window: side of the windows, pixels; drawn at a third.
+        words: written before the reading.
     """
     canvas = np.asarray(cv2.cvtColor(grey(picture), cv2.COLOR_GRAY2BGR), np.uint8)
     colour, half = GREEN if reading.valid else RED, max(window // 6, 3)
@@ -53,11 +46,11 @@ def draw_reading(picture: Image, reading: Reading, features: Floats, window: int
 
 @dataclass
 class HoldRecord:
-    """Writes `hold.csv` and keeps what the report needs; what is written is good after every frame.
+    """Writes `hold.csv` and keeps what the report needs; the table is complete after every frame.
 
     Attributes:
         folder: exists.
-        truth: whether the rows carry the simulation's truth.
+        truth: whether the rows contain the simulation's truth.
         shots: (caption, frame with the reading drawn in): first, every `often` seconds, and where readings stop or
             return; at most `most`.
     """
@@ -74,11 +67,11 @@ class HoldRecord:
     _next_shot: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
-        self._table = Table(self.folder / "hold.csv", [*HOLD, *TRUTH] if self.truth else HOLD)
+        self._table = Table(self.folder / "hold.csv", [*HOLD, *HOLD_TRUTH] if self.truth else HOLD)
 
     def add(self, name: str, time: float, reading: Reading, picture: Image, features: Floats,
             window: int = 64, truth: tuple[float, float, float, float] | None = None) -> None:
-        """Take in a frame.
+        """Record a frame.
 
         Args:
             truth: forward, right (metres), heading (radians) and range (metres).
@@ -99,7 +92,7 @@ class HoldRecord:
 
     @property
     def series(self) -> Floats:
-        """(n, 6) time, forward, right, heading, range, confidence, and (n, 10) with the truth's four behind."""
+        """(n, 6) time, forward, right, heading, range, confidence; (n, 10) with the four of the truth after them."""
         return np.array(self.rows, np.float64).reshape(len(self.rows), 10 if self.truth else 6)
 
     def close(self) -> None:

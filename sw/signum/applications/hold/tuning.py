@@ -19,15 +19,15 @@ from scipy.signal import cont2discrete
 from signum.common.arrays import Complexes, Floats
 
 PEAK = 2.0
-"""Bound of both peaks."""
+"""Upper bound of both sensitivity peaks."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What the controller must know of an axis.
+    """The dynamics of an axis.
 
     Attributes:
-        inertia: kg or kg m^2, added mass included; drag: N s/m or N m s at the speeds to be held.
+        inertia: kg or kg m^2, added mass included; drag: N s/m or N m s at the speeds of station keeping.
         limit: N or N m.
         damper: N m s of a rate feedback that acts through the thruster.
         lag: of the thruster, seconds; period: between two frames, seconds.
@@ -59,7 +59,7 @@ def loop(axis: Axis, gains: tuple[float, float, float], points: int = 400
 
 @lru_cache(maxsize=16)
 def _sampled(axis: Axis) -> tuple[Floats, Floats]:
-    """How position, speed and thrust (3,) go from frame to frame, and what a held force adds to them."""
+    """Transition (3, 3) of position, speed and thrust from frame to frame, and the input (3, 1) of a held force."""
     a = np.array([[0, 1, 0], [0, -axis.drag / axis.inertia, 1 / axis.inertia],
                   [0, -axis.damper / axis.lag, -1 / axis.lag]])
     push = np.array([[0.0], [0.0], [1 / axis.lag]])
@@ -68,10 +68,10 @@ def _sampled(axis: Axis) -> tuple[Floats, Floats]:
 
 
 def stable(axis: Axis, gains: tuple[float, float, float]) -> bool:
-    """Whether the sampled closed loop is: its poles lie within the unit circle."""
+    """Whether the sampled closed loop is stable: its poles lie within the unit circle."""
     phi, gamma = _sampled(axis)
     p, i, d = gains[0], gains[1] * axis.period, gains[2] / axis.period
-    closed = np.zeros((5, 5))  # two more states: the sum of the positions so far, and the last position
+    closed = np.zeros((5, 5))  # two more states: the sum of the positions, and the last position
     closed[:3, :3] = phi
     closed[:3] -= gamma * np.array([p + i + d, 0, 0, i, -d])
     closed[3, [0, 3]] = closed[4, 0] = 1

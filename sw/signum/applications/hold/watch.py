@@ -1,4 +1,4 @@
-"""Station keeping's measurements on recorded or live frames: the station is what the first frame shows."""
+"""Station keeping's measurements on recorded or live frames; the first frame is the station."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from signum.applications.hold.keeper import Sensed, StationKeeper
-from signum.applications.hold.meter import Reading, StationMeter
+from signum.applications.hold.meter import StationMeter
+from signum.applications.hold.reading import Reading
 from signum.common.arrays import Floats, Image
 from signum.common.errors import SourceError
 from signum.frames.fit import Fit
@@ -15,7 +16,7 @@ from signum.measure.measurer import Measurer
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class StationFrame:
     """A frame's reading; picture and features (n, 2) in the board's pixels."""
 
     name: str
@@ -25,12 +26,12 @@ class Seen:
     features: Floats
 
 
-def watch(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float, rate: float,
-          window: int = 64) -> Iterator[Seen]:
-    """Read frames against the first of them.
+def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float,
+                  rate: float, window: int = 64) -> Iterator[StationFrame]:
+    """Measure frames against the first of them.
 
-    The same meter and search as in the closed loop; the forces are nobody's. Without an attitude sensor the camera is
-    taken to look straight at the scene.
+    Meter and search are those of the closed loop. Control forces are computed and discarded. Without an attitude sensor
+    the camera is assumed to look straight at the scene.
 
     Args:
         measurer: of size `fit.board`.
@@ -39,7 +40,7 @@ def watch(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal:
         rate: frames per second.
 
     Raises:
-        SourceError: if the first frame has too little texture to hold on to.
+        SourceError: if the first frame has too little texture.
     """
     meter = StationMeter(measurer, focal / fit.factor[0], range_m, window)
     keeper: StationKeeper | None = None
@@ -51,4 +52,4 @@ def watch(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal:
                                   "begin where the picture shows texture, or choose another --window or --sigma")
             keeper = StationKeeper(meter)
         reading, _ = keeper.step(measurer.view(picture), Sensed(), 1 / rate)
-        yield Seen(frame.name, k / rate, reading, picture, meter.features_at())
+        yield StationFrame(frame.name, k / rate, reading, picture, meter.features_at())

@@ -18,8 +18,6 @@ from signum.common.arrays import Complexes, Floats
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
 
-ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
-"""Columns of `accuracy.csv`: statistics over frames (APE) or consecutive frames (RPE)."""
 FRAME_COLUMNS = "frame", "name", "image", "file", "filename"
 """Names of the column with the frame's name; the first one found is used."""
 EAST_COLUMNS = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"

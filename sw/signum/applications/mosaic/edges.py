@@ -11,13 +11,7 @@ import numpy as np
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Registration
-from signum.tables.schemas import EDGES
-
-SURVEY_EDGES = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed",
-                "tried", "reason")
-"""Columns of a survey's `edges.csv`: those of `EDGES`, the kind of edge, rotation and scale from a to b, centroid (in
-a), spread and residual of the windows that agree, original pixels, their number, the number tried, and the reason of a
-refusal."""
+from signum.tables.schemas import SURVEY_EDGES
 
 SEQUENCE = "sequence"
 """Kind of an edge to the frame stored last, or one of the few before it."""

@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from signum.applications.mosaic.edges import LIVE, SURVEY_EDGES, Edge
+from signum.applications.mosaic.edges import LIVE, Edge
 from signum.applications.mosaic.graph import Solution, solve_graph
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import Shelf
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Prepared, Registrar
+from signum.tables.schemas import SURVEY_EDGES
 
 
 @dataclass

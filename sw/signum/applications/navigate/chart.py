@@ -1,4 +1,4 @@
-"""A finished mosaic as a chart: its picture, what of it is covered, its named places."""
+"""A finished mosaic as a chart: its picture, the covered area, named places."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.frames.frame import grey, read_picture
+from signum.tables.schemas import PLACES
 
 CLOSED = 5
-"""Pixels: dark specks up to this wide inside the mosaic are covered all the same."""
-NAMED = "name", "x_px", "y_px"
-"""Of `places.csv`, an optional table beside the mosaic: names of places, pixels of mosaic.png."""
+"""Width, pixels, up to which black specks inside the mosaic count as covered."""
 
 
 class ChartError(SignumError):
-    """A mosaic that cannot be navigated by."""
+    """A mosaic or place that cannot be used for navigation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +40,7 @@ class Chart:
     @classmethod
     def of(cls, picture: Image, covered: Image | None = None, places: dict[str, tuple[float, float]] | None = None
            ) -> Chart:
-        """From a mosaic's picture; black is taken for not covered where nothing else is said."""
+        """From a mosaic's picture; without `covered`, black pixels are not covered."""
         image = grey(picture)
         if covered is None:
             kernel = np.ones((CLOSED, CLOSED), np.uint8)
@@ -62,7 +61,7 @@ class Chart:
             raise ChartError(f"{file}: no such mosaic; give the --out folder of `signum mosaic`")
         chart = cls.of(read_picture(file))
         if not chart.covered.any():
-            raise ChartError(f"{file}: is black all over; make the mosaic again")
+            raise ChartError(f"{file}: is entirely black; make the mosaic again")
         named = file.parent / "places.csv"
         return Chart(chart.picture, chart.covered, _places(named) if named.is_file() else {})
 
@@ -78,7 +77,7 @@ class Chart:
         return inside and bool(self.covered[row, column])
 
     def place(self, text: str) -> tuple[float, float]:
-        """The place a user names: `X,Y` in pixels, or a name of `places.csv`.
+        """The place given by a user: `X,Y` in pixels, or a name of `places.csv`.
 
         Raises:
             ChartError: if there is no such name, or the place is not on the mosaic.
@@ -92,8 +91,8 @@ class Chart:
                 known = f"one of {', '.join(self.places)}" if self.places else "from places.csv beside the mosaic"
                 raise ChartError(f"{text!r}: give X,Y in pixels of mosaic.png, or a name ({known})") from error
         if not self.covers(x, y):
-            raise ChartError(f"{text}: not on the mosaic, which is {self.size[0]}x{self.size[1]} pixels with black "
-                             "where nothing was seen; choose a place that shows something")
+            raise ChartError(f"{text}: not on the mosaic, which is {self.size[0]}x{self.size[1]} pixels black "
+                             "where not covered; choose a place that is covered")
         return x, y
 
     def shrunk(self, factor: float) -> Chart:
@@ -110,7 +109,7 @@ class Chart:
 
 
 def filled(chart: Chart) -> Image:
-    """The picture with what is not covered in its mean grey, so that the mosaic's border is no more than a step."""
+    """The picture with its mean grey where not covered, so that the mosaic's border is only a step."""
     inside: NDArray[np.bool_] = chart.covered > 0
     return np.where(inside, chart.picture, np.uint8(round(float(chart.picture[inside].mean())))).astype(np.uint8)
 
@@ -120,4 +119,4 @@ def _places(path: Path) -> dict[str, tuple[float, float]]:
         try:
             return {row["name"]: (float(row["x_px"]), float(row["y_px"])) for row in csv.DictReader(file)}
         except (KeyError, TypeError, ValueError) as error:
-            raise ChartError(f"{path}: its columns are {', '.join(NAMED)}, the last two numbers") from error
+            raise ChartError(f"{path}: its columns are {', '.join(PLACES)}, the last two numbers") from error

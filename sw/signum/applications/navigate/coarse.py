@@ -1,7 +1,7 @@
-"""The coarse search: places in a mosaic where a frame might be, with nothing known before.
+"""The coarse search: candidate places of a frame in a mosaic, without a prior.
 
 Frame and mosaic are scaled down until the frame is 160 pixels long. A grid of the frame's windows is searched for in
-tiles of the mosaic as large as the board takes; every window's best place in every tile has a vote.
+tiles of the mosaic as large as the board takes; every window votes with its best match in every tile.
 """
 
 from __future__ import annotations
@@ -19,21 +19,26 @@ from signum.geometry.similarity import Similarity, fit, vote
 from signum.measure.measurer import Measurer, Query
 from signum.measure.register import ANYTHING
 
-SIDE = 160
-WINDOW = 32
-SIGMA = 1.25
-GRID = (5, 4)
-OVERLAP = 56
-"""Pixels by which tiles overlap: a window, and the turn of the picture about it."""
-MISS = 4.0
-"""Pixels of the coarse picture by which a window may miss the similarity it votes for."""
-LEAST = 3
-"""Votes of a candidate."""
+SEARCH_SIDE = 160
+"""Longer side of the scaled frame, pixels."""
+SEARCH_WINDOW = 32
+"""Side of the windows, coarse pixels."""
+SEARCH_SIGMA = 1.25
+"""Of the LoG, coarse pixels."""
+SEARCH_GRID = (5, 4)
+"""Windows across and down."""
+TILE_OVERLAP = 56
+"""Overlap of tiles, pixels: a window, and a margin for the rotation of the picture."""
+SEARCH_MISS_PX = 4.0
+"""Largest residual of a window from the similarity it votes for, coarse pixels."""
+LEAST_VOTES = 3
+"""Least number of votes of a candidate."""
 HALF = complex(0.5, 0.5)
+"""Half a pixel along both axes: scaling keeps the picture's corner, half a pixel off the first pixel's centre."""
 
 
 class CoarseSearch:
-    """Proposes places.
+    """Proposes candidate places.
 
     Args:
         measurer: makes a measurer for a picture size (width, height) and a sigma.
@@ -45,7 +50,7 @@ class CoarseSearch:
     def __init__(self, measurer: Callable[[tuple[int, int], float], Measurer], largest: tuple[int, int],
                  frame: tuple[int, int], chart: Chart) -> None:
         self._make = measurer
-        self._shrink = max(1.0, max(frame) / SIDE)
+        self._shrink = max(1.0, max(frame) / SEARCH_SIDE)
         self._small = round(frame[0] / self._shrink), round(frame[1] / self._shrink)
         self._chart = chart.shrunk(self._shrink)
         self._tile = (min(largest[0], max(self._chart.size[0], self._small[0])),
@@ -54,15 +59,15 @@ class CoarseSearch:
 
     def candidates(self, live: Image, turns_deg: Sequence[float], convinced: int, rot_deg: float, zoom: float,
                    most: int) -> list[Similarity]:
-        """Similarities from the frame to the chart, the most voted first.
+        """Similarities from the frame to the chart, in descending order of votes.
 
         Args:
             live: uint8 of the frame's size.
-            turns_deg: rotations of the frame that are tried, in order, until one gathers `convinced` votes.
-            rot_deg, zoom: largest rotation and zoom beyond what is tried.
-            most: how many are wanted.
+            turns_deg: rotations of the frame that are tried, in order, until one has `convinced` votes.
+            rot_deg, zoom: largest rotation and scale beyond those tried.
+            most: largest number of candidates.
         """
-        measurer = self._make(self._tile, SIGMA)
+        measurer = self._make(self._tile, SEARCH_SIGMA)
         small = np.asarray(cv2.resize(live, self._small, interpolation=cv2.INTER_AREA), np.uint8)
         found: list[tuple[int, Similarity]] = []
         for turn in turns_deg:
@@ -85,7 +90,7 @@ class CoarseSearch:
         return out
 
     def _ask(self, measurer: Measurer, small: Image, turn_deg: float) -> tuple[Floats, Floats, Similarity]:
-        """Windows of the turned frame and where each tile has them best, coarse pixels; and the turn."""
+        """Windows of the rotated frame and their best match in each tile, coarse pixels; and the rotation."""
         width, height = self._small
         middle = complex((width - 1) / 2, (height - 1) / 2)
         factor = Similarity.of(turn_deg).factor
@@ -96,8 +101,8 @@ class CoarseSearch:
             small = np.asarray(cv2.warpAffine(small, about.matrix, (width, height), flags=cv2.INTER_LINEAR,
                                               borderMode=cv2.BORDER_REPLICATE), np.uint8)
         inside = cv2.integral(np.asarray(seen > 0, np.uint8))
-        side = min(WINDOW, min(self._small) // 2)
-        centres = [c for c in spread(side, self._small, GRID) if whole(inside, c, side)]
+        side = min(SEARCH_WINDOW, min(self._small) // 2)
+        centres = [c for c in spread(side, self._small, SEARCH_GRID) if whole(inside, c, side)]
         frame = measurer.view(_padded(small, self._tile))
         p, q = [], []
         for picture, corner in self._tiles:
@@ -113,13 +118,13 @@ class CoarseSearch:
 
 
 def elect(p: Floats, q: Floats, rot_deg: float, zoom: float, most: int) -> list[tuple[int, Similarity]]:
-    """One similarity p -> q after the other with its votes, each the most voted of the pairs the earlier ones leave."""
+    """Similarities p -> q with their votes, each with the most votes among the pairs that the earlier ones leave."""
     out: list[tuple[int, Similarity]] = []
-    while len(p) >= LEAST and len(out) < most:
-        found, agree = vote(p, q, MISS, rot_deg, zoom, 1.5 * WINDOW)
-        if agree.sum() < LEAST:
+    while len(p) >= LEAST_VOTES and len(out) < most:
+        found, agree = vote(p, q, SEARCH_MISS_PX, rot_deg, zoom, 1.5 * SEARCH_WINDOW)
+        if agree.sum() < LEAST_VOTES:
             break
-        out.append((int(agree.sum()), fit(p, q, found, MISS, 3.0).similarity))
+        out.append((int(agree.sum()), fit(p, q, found, SEARCH_MISS_PX, 3.0).similarity))
         p, q = p[~agree], q[~agree]
     return out
 
@@ -132,7 +137,7 @@ def spread(window: int, size: tuple[int, int], counts: tuple[int, int]) -> list[
 
 
 def whole(inside: NDArray[np.generic], centre: tuple[int, int], window: int) -> bool:
-    """Whether all but a fiftieth of a window is inside, by an integral image of 0 and 1."""
+    """Whether at least 98 % of a window is inside, by an integral image of 0 and 1."""
     x, y = centre[0] - window // 2, centre[1] - window // 2
     a, b, c, d = (int(inside[v, u]) for v, u in ((y, x), (y, x + window), (y + window, x), (y + window, x + window)))
     return a - b - c + d >= 0.98 * window * window
@@ -144,8 +149,8 @@ def _padded(picture: Image, size: tuple[int, int]) -> Image:
 
 
 def _corners(extent: int, tile: int) -> list[int]:
-    """Where tiles begin along one axis."""
+    """First pixels of the tiles along one axis."""
     if extent <= tile:
         return [0]
-    count = math.ceil((extent - OVERLAP) / (tile - OVERLAP))
+    count = math.ceil((extent - TILE_OVERLAP) / (tile - TILE_OVERLAP))
     return [round(i * (extent - tile) / (count - 1)) for i in range(count)]

@@ -1,8 +1,8 @@
-"""Stereographic pictures: what a turning camera sees, so drawn that a turn moves it without bending it.
+"""Stereographic pictures of a turning camera: a rotation of the camera moves them without deforming them.
 
-A pinhole picture stretches what is away from its axis, by 1/cos^2 along the radius, so two pictures of one thing, taken
-at different turns of a pan/tilt, differ in shape. The stereographic projection r = 2 f tan(theta/2) is conformal: a
-turn of the camera changes it, to first order, by a similarity only, which is what windows and mosaics can follow.
+A pinhole picture stretches objects off its axis by 1/cos^2 along the radius, so that pictures of one object at
+different angles of a pan/tilt differ in shape. The stereographic projection r = 2 f tan(theta/2) is conformal: a
+rotation of the camera changes it, to first order, by a similarity only, which windows and mosaics can follow.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from signum.common.arrays import Floats, Image
 
 @dataclass(frozen=True, eq=False)
 class Conformal:
-    """Redraws pinhole pictures.
+    """Resamples pinhole pictures.
 
     Attributes:
         size: (width, height) of the pinhole pictures, pixels; the axis meets their centre.
         focal: pixels.
-        shown: (width, height) of the redrawn ones, whose corners all lie within the others.
+        shown: (width, height) of the resampled pictures, whose corners lie within the pinhole ones.
     """
 
     size: tuple[int, int]
@@ -41,7 +41,7 @@ class Conformal:
         object.__setattr__(self, "_maps", (at[..., 0], at[..., 1]))
 
     def __call__(self, picture: Image) -> Image:
-        """The picture redrawn: uint8 of `shown`."""
+        """The picture resampled: uint8 of size `shown`."""
         return np.asarray(cv2.remap(picture, *self._maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), np.uint8)
 
     def pinhole(self, points: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Pictures of navigation: the mosaic with where the camera looked, and where it was to look."""
+"""Pictures of navigation: the mosaic with the path of the frames and the target."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import numpy as np
 from signum.applications.navigate.chart import Chart
 from signum.common.arrays import Image
 from signum.geometry.similarity import Similarity
-
-GREEN, YELLOW, RED = (80, 220, 60), (0, 220, 255), (60, 60, 240)
+from signum.report.draw import GREEN, RED, YELLOW
 
 
 def draw_path(chart: Chart, centres: Sequence[tuple[float, float]], last: Similarity | None = None,
@@ -24,7 +23,7 @@ def draw_path(chart: Chart, centres: Sequence[tuple[float, float]], last: Simila
         centres: of the frames, pixels of the mosaic, in order; NaN where one was not found, which breaks the line.
         last: the last frame's pixels -> mosaic, whose outline is drawn.
         frame: (width, height) of the frames.
-        target: where it was to look.
+        target: pixels of the mosaic.
 
     Returns:
         uint8 (H, W, 3) blue, green, red.

@@ -7,17 +7,19 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pytest
 
-from signum.applications.follow.follower import Follower, MotionEye, RangeEye, State, Target
+from signum.applications.follow.eyes import MotionEye, RangeEye
+from signum.applications.follow.follower import Follower, State, Target
+from signum.applications.follow.judge import judge_chase
 from signum.applications.follow.pilot import Felt, Pilot, Where
-from signum.applications.follow.segment import Segmented, by_motion, one_blob
-from signum.applications.follow.simulate import BASELINE_M, Chase, Row, follow, judge
+from signum.applications.follow.segment import Segmented, one_blob, segment_by_motion
+from signum.applications.follow.simulate import Chase, simulate_chase
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
 from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.flow import FlowField
 from signum.measure.measurer import Measurer, View
-from signum.world.camera import Pinhole
+from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.fish import Fish
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import AHEAD, DOWN, PanTilt, Vehicle
@@ -47,14 +49,14 @@ def _field(turn: float = 0.02, fish: tuple[slice, slice] | None = None) -> FlowF
 
 def test_motion_that_disagrees_is_fish() -> None:
     block = np.s_[4:6, 7:10]
-    seen = by_motion(_field(fish=block), CAMERA.size)
+    seen = segment_by_motion(_field(fish=block), CAMERA.size)
     wanted = np.zeros(seen.fish.shape, bool)
     wanted[block] = True
     blob = one_blob(seen)
     assert seen.fish[0, 3] and seen.fish[9, 12], "single wrong measurements disagree too"
     assert blob is not None and np.array_equal(blob.mask, wanted)
     assert (blob.x, blob.y) == (X[8], Y[4:6].mean())
-    assert one_blob(by_motion(_field(), CAMERA.size)) is None
+    assert one_blob(segment_by_motion(_field(), CAMERA.size)) is None
 
 
 def test_too_little_measured_is_no_fish() -> None:
@@ -62,7 +64,7 @@ def test_too_little_measured_is_no_fish() -> None:
     hidden = np.ones(field.dx.shape, bool)
     hidden[5, :10] = False
     field.dx[hidden] = np.nan
-    assert not by_motion(field, CAMERA.size).fish.any()
+    assert not segment_by_motion(field, CAMERA.size).fish.any()
 
 
 def _segmented(cells: Sequence[tuple[int, int]], changed: Sequence[tuple[int, int]] = ()) -> Segmented:
@@ -162,8 +164,8 @@ def test_the_search_covers_the_surroundings_and_begins_again() -> None:
 
 def test_a_fish_that_darts_away_is_lost_and_found() -> None:
     chase = Chase(Where.MIDWATER, 26.0, darts=(4.0,), dart=(0.0, 4.0, 0.0), seed=1)
-    rows = [Row.of(g, CAMERA) for g in follow(measurer, chase, CAMERA)]
-    figures = judge(rows, settle=2.0)
+    rows = [g.row(CAMERA) for g in simulate_chase(measurer, chase, CAMERA)]
+    figures = judge_chase(rows, settle=2.0)
     print(figures)
     assert figures.in_view < 1 and figures.lost > 0 and figures.finds >= 1 and figures.silent_s <= 1.0
     assert all(r.centred for r in rows if 2.0 <= r.time < 4.0)

@@ -9,7 +9,7 @@ import tifffile
 
 from signum.applications.mosaic.accuracy import Track, accuracy_rows, pose_errors, read_track
 from signum.applications.mosaic.blend import Mosaic
-from signum.applications.mosaic.edges import LOOP, SURVEY_EDGES, Edge, read_edges
+from signum.applications.mosaic.edges import LOOP, Edge, read_edges
 from signum.applications.mosaic.georeference import (
     ground_by_log,
     ground_by_range,
@@ -20,6 +20,7 @@ from signum.applications.mosaic.georeference import (
 from signum.applications.mosaic.pose import Pose
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
+from signum.tables.schemas import SURVEY_EDGES
 
 
 def _square(unit: float, turn_deg: float, nudge: complex = 0j) -> list[Pose]:

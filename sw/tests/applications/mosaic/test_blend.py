@@ -10,13 +10,9 @@ from signum.world.seafloor import photograph
 SIZE = 128, 96
 
 
-def _gravel() -> Image:
-    return photograph("gravel").astype(np.uint8)
-
-
 def _survey(cone: float) -> tuple[list[Image], list[Similarity], Image]:
     """Frames of a photograph, half a frame apart, under a lamp whose light falls by `cone` in the corners."""
-    photo = _gravel()
+    photo = photograph("gravel")
     u, v = np.meshgrid(np.linspace(-1, 1, SIZE[0]), np.linspace(-1, 1, SIZE[1]))
     light = 1 - cone * (u**2 + v**2) / 2
     places = [Similarity.of(shift=(float(x), float(y))) for y in range(0, 6 * 48, 48) for x in range(0, 6 * 64, 64)]
@@ -60,7 +56,7 @@ def test_a_large_mosaic_is_made_smaller() -> None:
 
 
 def test_blend_places_pictures_and_evens_exposure() -> None:
-    photo = _gravel()
+    photo = photograph("gravel")
     left, right = photo[:, :300], np.clip(photo[:, 200:].astype(float) * 0.7, 0, 255).astype(np.uint8)
     mosaic = compose([left, right], [Similarity(), Similarity.of(shift=(200.0, 0.0))])
     assert mosaic.picture.shape == (512, 512) and mosaic.origin == (0.0, 0.0) and mosaic.scale == 1

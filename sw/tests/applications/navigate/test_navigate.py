@@ -12,12 +12,13 @@ import pytest
 from numpy.typing import NDArray
 from typer.testing import CliRunner
 
+from signum.applications.navigate.aim import Aim, TargetFinder
 from signum.applications.navigate.chart import Chart, ChartError
 from signum.applications.navigate.conformal import Conformal
-from signum.applications.navigate.localise import ANY_HEADING, Limits, Localiser, Place
-from signum.applications.navigate.pilot import Aim, PanTiltSteering, Pilot
-from signum.applications.navigate.simulate import PanTiltSite, Scene
-from signum.applications.navigate.vehicle import VehicleSteering
+from signum.applications.navigate.localise import Localiser
+from signum.applications.navigate.place import ANY_HEADING, LocaliseLimits, Place
+from signum.applications.navigate.simulate.pan_tilt import PanTiltScene, PanTiltSite
+from signum.applications.navigate.steering import PanTiltSteering, VehicleSteering
 from signum.boards.golden import GoldenBoard
 from signum.commands.cli import application
 from signum.frames.fit import Fit
@@ -34,11 +35,11 @@ LARGEST = (640, 480)
 @pytest.fixture(scope="module")
 def floor() -> NDArray[np.uint8]:
     """A photograph enlarged: a quilt of it would show parts of it several times."""
-    photo = cv2.resize(photograph("gravel"), (900, 900), interpolation=cv2.INTER_CUBIC)
+    photo = cv2.resize(photograph("gravel").astype(np.float32), (900, 900), interpolation=cv2.INTER_CUBIC)
     return np.asarray(np.clip(photo[:700], 1, 255), np.uint8)
 
 
-def _localiser(chart: Chart, limits: Limits | None = None, size: tuple[int, int] = SIZE) -> Localiser:
+def _localiser(chart: Chart, limits: LocaliseLimits | None = None, size: tuple[int, int] = SIZE) -> Localiser:
     board = GoldenBoard()
     return Localiser(lambda s, sigma: Measurer(board, s, sigma), LARGEST, Fit.to(size, board.config, 48), chart, 48,
                      limits=limits)
@@ -69,7 +70,7 @@ def test_found_anywhere(floor: NDArray[np.uint8], x: float, y: float, rot: float
 def test_any_heading(floor: NDArray[np.uint8]) -> None:
     frame = _frame(floor, _place(500, 400, 31))
     assert not _localiser(Chart.of(floor)).locate(frame).known, "not looked for turned so far"
-    found = _localiser(Chart.of(floor), Limits(turns_deg=ANY_HEADING)).locate(frame)
+    found = _localiser(Chart.of(floor), LocaliseLimits(turns_deg=ANY_HEADING)).locate(frame)
     assert found.similarity is not None and found.centre == pytest.approx((500, 400), abs=1.0)
     assert found.similarity.rot_deg == pytest.approx(31, abs=0.5)
 
@@ -84,7 +85,7 @@ def test_with_a_prior_and_with_a_wrong_one(floor: NDArray[np.uint8]) -> None:
 
 def test_nothing_is_found_that_is_not_there(floor: NDArray[np.uint8]) -> None:
     localiser = _localiser(Chart.of(floor))
-    strange = cv2.resize(photograph("grass"), (900, 900)).astype(np.uint8)
+    strange = cv2.resize(photograph("grass").astype(np.float32), (900, 900)).astype(np.uint8)
     for frame in (strange[:SIZE[1], :SIZE[0]], np.full(SIZE[::-1], 90, np.uint8)):
         assert not localiser.locate(np.ascontiguousarray(frame)).known
 
@@ -92,7 +93,7 @@ def test_nothing_is_found_that_is_not_there(floor: NDArray[np.uint8]) -> None:
 def test_two_places_that_look_alike_are_none(floor: NDArray[np.uint8]) -> None:
     twice = np.hstack([floor[:400, :420], floor[:400, :420]])
     place = _localiser(Chart.of(twice)).locate(_frame(floor, _place(200, 200)))
-    assert not place.known and place.reason == "two places answer"
+    assert not place.known and place.reason == "two places match"
 
 
 def test_a_torn_mosaic_is_believed_only_away_from_the_tear(floor: NDArray[np.uint8]) -> None:
@@ -100,7 +101,8 @@ def test_a_torn_mosaic_is_believed_only_away_from_the_tear(floor: NDArray[np.uin
     torn[271:, 431:] = floor[::-1][271:, 431:]
     localiser = _localiser(Chart.of(torn))
     across = localiser.locate(_frame(floor, _place(475, 300)))
-    assert not across.known and across.agreed >= 8 and across.reason == "the mosaic does not hold about the middle"
+    assert not across.known and across.agreed >= 8
+    assert across.reason == "the mosaic does not match around the frame's middle"
     beside = localiser.locate(_frame(floor, _place(400, 300)))
     assert beside.known and beside.centre == pytest.approx((400, 300), abs=1.0)
 
@@ -124,12 +126,12 @@ def test_looking_at_a_place_closes_in_on_it(floor: NDArray[np.uint8]) -> None:
     """The steering over a flat mosaic: no overshoot beyond a tenth, and to within a pixel; then it is kidnapped."""
     focal, dt = 300.0, 0.1
     at, target = np.array([480.0, 420.0]), (610.0, 340.0)
-    pilot, steering = Pilot(_localiser(Chart.of(floor)), target), PanTiltSteering(focal)
+    finder, steering = TargetFinder(_localiser(Chart.of(floor)), target), PanTiltSteering(focal)
     errors = []
     for k in range(46):
         if k == 24:
             at += (-90.0, 80.0)
-        aim = pilot.look(_frame(floor, _place(*at), seed=k))
+        aim = finder.look(_frame(floor, _place(*at), seed=k))
         pan, tilt = steering.rates(aim, dt)
         at = at + np.array([pan, -tilt]) * focal * dt
         errors.append(float(np.hypot(*(at - target))))
@@ -203,7 +205,7 @@ def test_the_command(floor: NDArray[np.uint8], tmp_path: Path) -> None:
 
 def test_a_pan_tilts_mosaic_is_bent_and_not_torn(tmp_path: Path) -> None:
     """Neighbours of a sweep lie where they belong, though no loop on a sphere closes in the plane."""
-    site = PanTiltSite(Scene(photo="brick"))
+    site = PanTiltSite(PanTiltScene(photo="brick"))
     board = GoldenBoard()
     site.survey(lambda s, sigma: Measurer(board, s, sigma), tmp_path)
     middle = (np.array(site.size) - 1) / 2

@@ -1,4 +1,4 @@
-"""What a simulated mosaic shows in truth: for judging navigation, never for doing it."""
+"""What a simulated mosaic truly shows: it judges navigation and takes no part in it."""
 
 from __future__ import annotations
 
@@ -24,15 +24,18 @@ from signum.measure.register import Registrar
 from signum.world.camera import Pinhole
 
 Make = Callable[[tuple[int, int], float], Measurer]
-SIGMA = 2.0
-WINDOW = 64
-PATCH = 12
-"""Half the side of the patch by which the judge tells which picture a pixel of the mosaic comes from."""
+"""Makes a measurer for a picture size (width, height) and a sigma."""
+SURVEY_SIGMA = 2.0
+"""Of the LoG in a simulated survey, pixels."""
+SURVEY_WINDOW = 64
+"""Side of the windows in a simulated survey, pixels."""
+LIKENESS_HALF = 12
+"""Half side of the patch by which the picture a pixel of the mosaic comes from is recognised, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """A picture of a simulated survey, where it was taken from, and its depths as the pinhole camera had them."""
+    """A picture of a simulated survey, the camera's pose, and the pinhole camera's depths (height, width), metres."""
 
     picture: Image
     sight: Sight
@@ -41,10 +44,10 @@ class Taken:
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """A simulated survey's pictures and where the mosaic has them.
+    """A simulated survey's pictures and their places in the mosaic.
 
     Attributes:
-        camera: that took them.
+        camera: the pictures' camera.
         pinhole: pixels of the pictures -> pixels of the camera, where they were redrawn.
         shots: each picture with its pixels -> mosaic.png.
     """
@@ -54,20 +57,19 @@ class Truth:
     shots: list[tuple[Similarity, Taken]] = field(default_factory=list)
 
     def world_point(self, chart: Chart, target: tuple[float, float]) -> Floats:
-        """The world point (3,) a pixel of the mosaic shows: that of the picture it looks most like there, for seams may
-        run anywhere."""
+        """The world point (3,) a pixel of the mosaic shows, by the picture most similar to the mosaic around it: the
+        positions of seams are not known."""
         at = np.array(target)
         place, shot = max(self.shots, key=lambda s: _likeness(chart.picture, at, *s))
         x, y = self.pinhole(place.inverse(at))
         height, width = shot.depth.shape
-        z = float(shot.depth[int(np.clip(round(float(y)), 0, height - 1)), int(np.clip(round(float(x)), 0, width - 1))])
-        ray = np.array([*((np.array([x, y]) - self.camera.centre) / self.camera.focal), 1.0])
-        return np.asarray(shot.sight.position + shot.sight.rotation @ (z * ray), np.float64)
+        z = shot.depth[int(np.clip(round(float(y)), 0, height - 1)), int(np.clip(round(float(x)), 0, width - 1))]
+        return np.asarray(self.camera.unproject(shot.sight, np.array([x, y]), np.array([z]))[0], np.float64)
 
 
-def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell: Callable[[str], None] | None = None,
-           settings: SurveySettings | None = None) -> Chart:
-    """Build the mosaic of a simulated survey in `out`, as `signum mosaic` does, and fill in the truth's shots.
+def build_chart(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path,
+                tell: Callable[[str], None] | None = None, settings: SurveySettings | None = None) -> Chart:
+    """Build the mosaic of a simulated survey in `out`, as `signum mosaic` does, and set the truth's shots.
 
     Raises:
         ValueError: without pictures.
@@ -76,7 +78,8 @@ def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell
     made: Survey | None = None
     for k, shot in enumerate(taken):
         size = shot.picture.shape[1], shot.picture.shape[0]
-        made = made or Survey(Registrar.on(measurer, Fit(size, size), WINDOW, SIGMA), out, settings=settings)
+        made = made or Survey(Registrar.on(measurer, Fit(size, size), SURVEY_WINDOW, SURVEY_SIGMA), out,
+                              settings=settings)
         shots[str(k)] = shot
         made.add(Frame(str(k), shot.picture))
         if tell is not None:
@@ -94,8 +97,7 @@ def survey(measurer: Make, taken: Iterable[Taken], truth: Truth, out: Path, tell
 
 
 def random_target(chart: Chart, size: tuple[int, int], rng: np.random.Generator) -> tuple[float, float]:
-    """A place of the mosaic that can be looked at with most of the picture on the mosaic: a third of the frame's `size`
-    from its border."""
+    """A random place of the mosaic, at least a third of the frame's `size` from its border."""
     reach_x, reach_y = (n / 3 for n in size)
     while True:
         x, y = (float(rng.uniform(r, n - r)) for r, n in zip((reach_x, reach_y), chart.size, strict=True))
@@ -104,12 +106,12 @@ def random_target(chart: Chart, size: tuple[int, int], rng: np.random.Generator)
 
 
 def _likeness(mosaic: Image, at: Floats, place: Similarity, shot: Taken) -> float:
-    """Correlation of the mosaic with a picture about a place, -1..1; -1 where the picture does not show it."""
+    """Correlation of the mosaic with a picture around a place, -1..1; -1 where the picture does not show it."""
     here = place.inverse(at)
-    if ((here < PATCH) | (here > np.array(shot.picture.shape[::-1]) - 1 - PATCH)).any():
+    if ((here < LIKENESS_HALF) | (here > np.array(shot.picture.shape[::-1]) - 1 - LIKENESS_HALF)).any():
         return -1.0
-    side = 2 * PATCH + 1
-    corner = Similarity(1 + 0j, complex(*at) - complex(PATCH, PATCH))
+    side = 2 * LIKENESS_HALF + 1
+    corner = Similarity(1 + 0j, complex(*at) - complex(LIKENESS_HALF, LIKENESS_HALF))
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     patches = [cv2.warpAffine(picture, way.matrix, (side, side), flags=flags)
                for picture, way in ((mosaic, corner), (shot.picture, place.inverse @ corner))]

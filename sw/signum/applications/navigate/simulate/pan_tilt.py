@@ -1,5 +1,4 @@
-"""Mosaic navigation in the simulated world: a camera on a pan/tilt surveys a seafloor from one place, and is then sent
-to chosen points of its own mosaic. The truth stands beside every measurement and never gets into one."""
+"""A camera on a pan/tilt surveys a seafloor from one position, and is then sent to chosen points of its own mosaic."""
 
 from __future__ import annotations
 
@@ -10,11 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from signum.applications.mosaic.settings import CURVED
+from signum.applications.navigate.aim import Aim, TargetFinder
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.conformal import Conformal
-from signum.applications.navigate.localise import Localiser, Place
-from signum.applications.navigate.pilot import Aim, PanTiltSteering, Pilot
-from signum.applications.navigate.truth import Make, Taken, Truth, survey
+from signum.applications.navigate.localise import Localiser
+from signum.applications.navigate.place import Place
+from signum.applications.navigate.simulate.truth import Make, Taken, Truth, build_chart
+from signum.applications.navigate.steering import PanTiltSteering
 from signum.common.arrays import Floats, Image
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
@@ -24,8 +25,8 @@ from signum.world.world import World
 
 
 @dataclass(frozen=True)
-class Scene:
-    """What is simulated.
+class PanTiltScene:
+    """The survey and the sea to simulate.
 
     Attributes:
         height: of the pan/tilt over the mean floor, metres; relief: standard deviation of the floor's, metres.
@@ -47,7 +48,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Step:
-    """One frame of a way: what was measured, and in truth the way to go, original pixels in the frame."""
+    """One frame of a run: the measured aim, and the true vector (2,) from the frame's middle to the target, pixels."""
 
     time: float
     aim: Aim
@@ -57,9 +58,9 @@ class Step:
 
 @dataclass
 class PanTiltSite:
-    """A pan/tilt over a seafloor, and the mosaic it made."""
+    """A pan/tilt over a seafloor, and the truth of the mosaic built from its pictures."""
 
-    scene: Scene
+    scene: PanTiltScene
     camera: Pinhole = field(default_factory=Pinhole)
     world: World = field(init=False, repr=False)
     vehicle: Vehicle = field(init=False, repr=False)
@@ -80,12 +81,12 @@ class PanTiltSite:
         return self.redrawn.shown
 
     def look(self, head: PanTilt) -> Image:
-        """What the camera sees now, redrawn."""
+        """The present frame, redrawn."""
         return self._take(head).picture
 
     def survey(self, measurer: Make, out: Path, tell: Callable[[str], None] | None = None) -> Chart:
-        """Sweep back and forth, and build the mosaic in `out`."""
-        return survey(measurer, self._sweep(), self.truth, out, tell, CURVED)
+        """Sweep back and forth, and build the mosaic in `out`; `tell` is called after every picture."""
+        return build_chart(measurer, self._sweep(), self.truth, out, tell, CURVED)
 
     def _take(self, head: PanTilt) -> Taken:
         sight = DOWN.sight(self.vehicle, head)
@@ -101,26 +102,28 @@ class PanTiltSite:
                 self.world.step(0.5)
 
     def true_way(self, target: Floats, head: PanTilt) -> Floats:
-        """Truth: (2,) from the middle of the frame to a world point, pixels."""
+        """True vector (2,) from the middle of the frame to a world point, pixels."""
         seen = self.camera.project(DOWN.sight(self.vehicle, head), target)[0]
         return np.asarray(seen - np.array(self.camera.centre), np.float64)
 
     def random_head(self, rng: np.random.Generator) -> PanTilt:
-        """A pan/tilt turned by hand to anywhere in the survey."""
+        """A pan/tilt turned to a random direction within the survey."""
         return PanTilt(pan=float(rng.uniform(-1, 1) * self.scene.sweep[0]),
                        tilt=float(rng.uniform(-1, 1) * self.scene.sweep[1]))
 
     def go(self, localiser: Localiser, target: tuple[float, float], head: PanTilt, seconds: float = 20.0,
            dwell: float = 1.5, close_px: float = 2.0) -> Iterator[Step]:
-        """Look at a place, from wherever the head happens to point; ends after `dwell` seconds within `close_px` of it
-        by its own measurement, or when the time is up."""
+        """Look at a place, beginning from the present direction of the head.
+
+        Ends after `dwell` seconds within `close_px` pixels of it as measured, or after `seconds`.
+        """
         dt = 1 / self.scene.rate
-        pilot, steering = Pilot(localiser, target), PanTiltSteering(self.camera.focal)
+        finder, steering = TargetFinder(localiser, target), PanTiltSteering(self.camera.focal)
         goal = self.truth.world_point(localiser.chart, target)
         there = 0.0
         for k in range(round(seconds * self.scene.rate)):
             frame = self.look(head)
-            aim = pilot.look(frame)
+            aim = finder.look(frame)
             yield Step(k * dt, aim, self.true_way(goal, head), frame)
             close = aim.sharp and float(np.hypot(*aim.error)) <= close_px
             there = there + dt if close else 0.0
@@ -131,7 +134,7 @@ class PanTiltSite:
 
 
 def miss(site: PanTiltSite, chart: Chart, place: Place, head: PanTilt) -> float:
-    """Truth: how far a found place is from where the frame's centre really is, pixels of the frame."""
+    """True error of a found place at the frame's centre, pixels of the frame; infinite off the mosaic."""
     if not chart.covers(*place.centre):
         return float("inf")
     return float(np.hypot(*site.true_way(site.truth.world_point(chart, place.centre), head)))

@@ -1,0 +1,1 @@
+"""Mosaic navigation in the simulated world; the truth is recorded beside every measurement and used in none."""
