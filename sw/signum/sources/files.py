@@ -106,10 +106,9 @@ class VideoSource(Source):
         if self.count is not None and 0 < done < 0.9 * self.count - 1:
             raise SourceError(self._broken(done))
         if self.count is not None and 0 < done != self.count:
-            notes.print(f"{self.file}: the file lists {self.count} frames, {done} could be decoded; if frames "
-                        f"{done} to {self.count - 1} are not the missing ones, later frames have a number too low"
-                        if done < self.count else
-                        f"{self.file}: the file lists {self.count} frames, {done} could be decoded")
+            lost = (f": frames {done} to {self.count - 1} are missing, or as many before them, so that later ones have "
+                    "too low a number" if done < self.count else "")
+            notes.print(f"{self.file}: the file lists {self.count} frames, {done} could be decoded{lost}")
 
     def _broken(self, done: int) -> str:
         return (f"{self.file}: broken after frame {done - 1} of {self.count}; what came before is kept; "
