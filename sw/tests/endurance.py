@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 
 from signum.applications.hold.record import HoldRecord
-from signum.applications.hold.watch import watch
+from signum.applications.hold.watch import watch_station
 from signum.applications.mosaic.survey import Survey
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
@@ -82,11 +82,7 @@ def main() -> int:
         fit = Fit.to(SIZE, board.config, WINDOW)
         tracked = _steps(board, fit, options.long, Path(name))
         kept &= judge("track", tracked, BYTES_A_ROW, LEAST_FLAT)
-        record = HoldRecord(Path(name), truth=False)
-        seen = watch(Measurer(board, fit.board, SIGMA), swinging(options.long), fit, 170.0, 2.0, 10.0, WINDOW)
-        held = (record.add(s.name, s.time, s.reading, s.picture, s.features, WINDOW) for s in seen)
-        kept &= judge("hold", held, BYTES_A_ROW, LEAST_FLAT)
-        record.close()
+        kept &= judge("hold", _holds(board, fit, options.long, Path(name)), BYTES_A_ROW, LEAST_FLAT)
         registrar = Registrar.on(lambda size, sigma: Measurer(board, size, sigma), fit, WINDOW, SIGMA)
         survey = Survey(registrar, Path(name) / "survey")
         taken = (survey.add(frame) for frame in columns(options.mosaic))
@@ -103,6 +99,15 @@ def _steps(board: GoldenBoard, fit: Fit, count: int, folder: Path) -> Iterator[N
             table.write(track_row(frame.name, point, fit))
         yield
     table.close()
+
+
+def _holds(board: GoldenBoard, fit: Fit, count: int, folder: Path) -> Iterator[None]:
+    record = HoldRecord(folder, truth=False)
+    measurer = Measurer(board, fit.board, SIGMA)
+    for seen in watch_station(measurer, swinging(count), fit, 170.0, 2.0, 10.0, WINDOW):
+        record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, WINDOW)
+        yield
+    record.close()
 
 
 def judge(name: str, steps: Iterator[object], most_bytes: float, most_slower: float) -> bool:

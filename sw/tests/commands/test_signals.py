@@ -8,7 +8,9 @@ import time
 import pytest
 
 STOPPED = """
-import sys, time
+import signal, sys, time
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    signal.signal(number, signal.default_int_handler)  # whatever the tests were started with
 from signum.commands import signals
 signals.listen()
 print("ready", flush=True)
