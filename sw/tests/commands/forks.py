@@ -40,13 +40,16 @@ def main() -> None:
 
 
 def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
-    with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as calls:
+    with tempfile.TemporaryFile() as calls:
+        reader, writer = os.pipe()  # not a file, whose size would be limited too
         began = time.monotonic()
         child = os.fork()
         if not child:
-            os.dup2(said.fileno(), 1)
-            os.dup2(said.fileno(), 2)
+            os.dup2(writer, 1)
+            os.dup2(writer, 2)
             os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+            os.close(writer)
+            os.close(reader)
             status = 70
             try:
                 status = _run(app, request, calls)
@@ -56,12 +59,13 @@ def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
                 sys.stdout.flush()
                 sys.stderr.flush()
                 os._exit(status)
+        os.close(writer)
+        with open(reader, "rb") as pipe:
+            said = pipe.read().decode(errors="replace")
         _, status = os.waitpid(child, 0)
-        seconds = time.monotonic() - began
-        said.seek(0)
         calls.seek(0)
-        return {"status": os.waitstatus_to_exitcode(status), "said": said.read().decode(errors="replace"),
-                "calls": json.loads(calls.read() or b"[]"), "seconds": seconds}
+        return {"status": os.waitstatus_to_exitcode(status), "said": said, "calls": json.loads(calls.read() or b"[]"),
+                "seconds": time.monotonic() - began}
 
 
 def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
