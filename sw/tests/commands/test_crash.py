@@ -28,6 +28,7 @@ from signum.applications.mosaic.simulate import Plan, simulate_survey
 CRASHES = int(os.environ.get("CRASHES", "6"))
 SEED = int(os.environ.get("SEED", "1"))
 PLAN = Plan(rows=3, columns=2, size=(160, 120), focal=180.0, step=(0.5, 0.5), yaw_deg=2.0)
+NAMES = "mosaic of a video", "hold", "mosaic of a folder", "track"
 PAGE = "report.html"
 """Contains the date, and may differ."""
 
@@ -170,7 +171,7 @@ def test_killed_at_any_moment(host: Host, cases: Cases) -> None:
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.9] if CRASHES > 10 else [0.3])
-@pytest.mark.parametrize("name", ["mosaic of a video", "hold", "mosaic of a folder", "track"][:4 if CRASHES > 10 else 2])
+@pytest.mark.parametrize("name", NAMES[:2 if CRASHES < 10 else 4])
 def test_the_disk_is_full(host: Host, cases: Cases, name: str, share: float) -> None:
     case = cases[name]
     shutil.rmtree(case.out, ignore_errors=True)
