@@ -137,6 +137,20 @@ def registers_table() -> str:
     return "\n".join(["| Address | Register | Fields [bits] |", "| --- | --- | --- |", *rows])
 
 
+def api_page() -> str:
+    """A directive of mkdocstrings for each name of signum's face, by what it is for, in the order of its modules."""
+    import signum
+
+    homes: dict[str, list[str]] = {}
+    for name in signum.__all__:
+        homes.setdefault(signum._HOME[name], []).append(name)
+    parts = []
+    for home in signum._MODULES:
+        parts.append(f"## {home.rpartition('.')[2].capitalize()}")
+        parts += [f"::: {home}.{name}" for name in homes.get(home, [])]
+    return "\n\n".join(parts)
+
+
 def on_config(config: Any) -> Any:
     """Add the optional pages that exist."""
     there = [{title: name} for name, title in OPTIONAL.items() if (ROOT / "docs" / name).exists()]
@@ -157,5 +171,8 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Put the table of registers into its page."""
-    return markdown.replace("{{ registers }}", registers_table()) if "{{ registers }}" in markdown else markdown
+    """Put the table of registers and the list of names into their pages."""
+    for mark, make in (("{{ registers }}", registers_table), ("{{ api }}", api_page)):
+        if mark in markdown:
+            markdown = markdown.replace(mark, make())
+    return markdown

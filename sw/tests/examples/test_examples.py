@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
+from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, Verilator, _keep_library, _reuse_library
+from sim.toolchain import BUILD, ROOT, sources_of
 from signum.world.seafloor import photograph
-from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, Verilator
-from sim.toolchain import ROOT, sources_of
 
 EXAMPLES = ROOT / "examples"
 MOST_LINES = 60
@@ -66,9 +66,13 @@ class _Embedded(LeanVerilator):
         return Verilator._build_command(self)
 
 
-def test_a_block_in_another_design(tmp_path: Path) -> None:
+def test_a_block_in_another_design() -> None:
+    folder = BUILD / "examples" / "my_design"
+    folder.mkdir(parents=True, exist_ok=True)
+    _reuse_library(folder, folder / "Vtop.mk")
     extra = "--assert", "--timing", "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)
-    assert example("block/run.py").main(str(tmp_path), _Embedded(), extra) == 0
+    assert example("block/run.py").main(str(folder), _Embedded(), extra) == 0
+    _keep_library(folder)
 
 
 def test_the_blocks_file_list_is_whole() -> None:
