@@ -25,6 +25,10 @@ $(VENV)/.synth: requirements-synth.lock $(VENV)/.installed
 	@$(PIP) install -r requirements-synth.lock
 	@touch $@
 
+$(VENV)/.docs: requirements-docs.lock $(VENV)/.installed
+	@$(PIP) install -r requirements-docs.lock
+	@touch $@
+
 .PHONY: setup
 setup: $(VENV)/.installed ## Virtual environment with pinned packages and the Verilated board; then use .venv/bin/signum
 	@$(PY) -m sim.board
@@ -49,6 +53,10 @@ lint: $(VENV)/.installed ## Check Python, RTL and generated files, without runni
 	@$(PY) -m sim.registers --check
 	@$(PY) -m sim.lint
 
+.PHONY: docs
+docs: $(VENV)/.docs ## The documentation as a site: out/site/index.html; every warning is an error
+	@NO_MKDOCS_2_WARNING=1 $(PY) -m mkdocs build --strict --quiet
+
 .PHONY: synth
 synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
@@ -67,6 +75,8 @@ lock: ## Pin the newest packages that pyproject.toml allows (needs uv)
 	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate pyproject.toml -o requirements.lock
 	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --extra synth \
 	  -c requirements.lock pyproject.toml -o requirements-synth.lock
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --extra docs \
+	  -c requirements.lock pyproject.toml -o requirements-docs.lock
 
 .PHONY: clean
 clean: ## Remove all builds and outputs, but not the virtual environment

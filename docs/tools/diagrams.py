@@ -40,7 +40,8 @@ class Diagram:
         rows = max(p[1] for p, _, _ in self.boxes.values())
         width = round(cols * PITCH_X + BOX_W + 2 * MARGIN)
         height = round(rows * PITCH_Y + BOX_H + 2 * MARGIN)
-        parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" role="img" '
+        parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
+                 f'height="{height}" role="img" '
                  f'aria-label="{escape(self.title)}">', f"<title>{escape(self.title)}</title>",
                  '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
                  'orient="auto"><path d="M0 0L8 4L0 8z" fill="#37474f"/></marker></defs>',

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "sw"), str(ROOT)]
 SOURCE = ROOT / "rtl" / "control" / "slog_csr.rdl"
 PAGE = ROOT / "out" / "regs"
 OPTIONAL = {"verification.md": "Verification", "promises.md": "Promises"}
@@ -92,10 +91,9 @@ def commands_page() -> str:
         parts += [f"## signum {name}", _plain(command.help)]
         arguments = [p for p in command.params if p.param_type_name == "argument"]
         options = [p for p in command.params if p.param_type_name == "option" and not p.hidden]
-        usage = " ".join([(p.name or "").upper() if p.required else f"[{(p.name or "").upper()}]"
-                          for p in arguments])
+        usage = " ".join(_upper(p) if p.required else f"[{_upper(p)}]" for p in arguments)
         parts.append(f"```text\nsignum {name} [OPTIONS] {usage}".rstrip() + "\n```")
-        rows = [f"| `{(p.name or "").upper()}` | {_cell(p.help)} | |" for p in arguments]
+        rows = [f"| `{_upper(p)}` | {_cell(p.help)} | |" for p in arguments]
         rows += [f"| {', '.join(f'`{o}`' for o in (*p.opts, *p.secondary_opts))} | {_cell(p.help)} | {_default(p)} |"
                  for p in options]
         if rows:
@@ -105,6 +103,10 @@ def commands_page() -> str:
 
 def _plain(text: str | None) -> str:
     return inspect.cleandoc(text or "")
+
+
+def _upper(argument: Any) -> str:
+    return str(argument.name).upper()
 
 
 def _cell(text: str | None) -> str:
@@ -120,7 +122,7 @@ def _default(option: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return f"`{getattr(value, "value", value)}`"
+    return f"`{getattr(value, 'value', value)}`"
 
 
 def registers_table() -> str:
@@ -152,7 +154,8 @@ def api_page() -> str:
 
 
 def on_config(config: Any) -> Any:
-    """Add the optional pages that exist."""
+    """Make the project importable, and add the optional pages that exist."""
+    sys.path[:0] = [str(ROOT / "sw"), str(ROOT)]  # MkDocs undoes what a hook does to it while loading
     there = [{title: name} for name, title in OPTIONAL.items() if (ROOT / "docs" / name).exists()]
     config.nav[-1:-1] = there
     return config

@@ -30,12 +30,14 @@ FONT = 'font-family="Roboto Mono, Menlo, Consolas, monospace"'
 
 
 class Signal(NamedTuple):
-    """A port to draw: a level, or a bus whose value is shown while `valid` (another port) is 1."""
+    """A port to draw: a level, or a bus whose value is shown while `valid` (another port) is 1, each clock by itself
+    unless `held`."""
 
     name: str
     bus: bool = False
     valid: str = ""
     hexadecimal: bool = False
+    held: bool = False
 
 
 class Wave(NamedTuple):
@@ -70,7 +72,8 @@ def draw(wave: Wave) -> str:
     """The picture as SVG."""
     seen = record(wave)
     width, height = NAME_W + CLOCK_W * len(seen) + 12, ROW_H * (len(wave.signals) + 1) + 14
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" role="img" '
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
+             f'height="{height}" role="img" '
              f'aria-label="{escape(wave.title)}">', f"<title>{escape(wave.title)}</title>",
              f'<rect width="{width}" height="{height}" rx="6" fill="#fafafa"/>']
     for k in range(len(seen)):
@@ -100,7 +103,7 @@ def _bus(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> st
     while k < len(seen):
         value = _shown(signal, seen[k])
         last = k + 1
-        while last < len(seen) and _shown(signal, seen[last]) == value and (value is None or not signal.valid):
+        while last < len(seen) and _shown(signal, seen[last]) == value and (value is None or signal.held or not signal.valid):
             last += 1
         x0, x1 = NAME_W + k * CLOCK_W, NAME_W + last * CLOCK_W
         fill = "#eceff1" if value is None else "#e0f2f1"
@@ -202,15 +205,14 @@ def peak() -> Wave:
 
 
 def control() -> Wave:
-    """A write and a read at once, the responses taken as they come."""
-    common = {"s_axil_bready": 1, "s_axil_rready": 1}
-    inputs: list[Inputs] = [dict(common) for _ in range(28)]
+    """A write and a read at once; the data of the read are taken late."""
+    inputs: list[Inputs] = [{"s_axil_bready": 1, "s_axil_rready": int(k >= 17)} for k in range(34)]
     inputs[1] |= {"s_axil_awvalid": 1, "s_axil_awaddr": address("irq_enable"), "s_axil_wvalid": 1, "s_axil_wdata": 3,
                   "s_axil_wstrb": 15, "s_axil_arvalid": 1, "s_axil_araddr": address("id")}
     return Wave("slog_control, register access", ControlModel(TINY, fields()), inputs, (
         Signal("s_axil_awvalid"), Signal("s_axil_awready"), Signal("s_axil_wvalid"), Signal("s_axil_wready"),
         Signal("s_axil_bvalid"), Signal("s_axil_arvalid"), Signal("s_axil_arready"), Signal("s_axil_rvalid"),
-        Signal("s_axil_rdata", True, "s_axil_rvalid", True)))
+        Signal("s_axil_rready"), Signal("s_axil_rdata", True, "s_axil_rvalid", True, held=True)))
 
 
 WAVES = {f.__name__: f for f in (cells, frontend, store, correlator, array, peak, control)}
