@@ -127,7 +127,7 @@ module slog_video_in #(
   logic             wr_line_q;                // buffer of the line being received
   logic [7:0]       wr_data_q, wr_data_q2, wr_data_q3;
   // Addresses are one clock later than the counters: the buffers may lie far away.
-  logic             start_q2, jump_q2;       // the pixel starts a frame; the next address is target_q2, not this one + 1
+  logic             start_q2, jump_q2;       // the pixel starts a frame; the next address is target_q2
   logic [AddrW-1:0] base_q2, target_q2;      // address of the frame's first pixel; address after a jump
   logic [AddrW-1:0] wr_addr_q2, wr_addr_q3;  // address of the pixel unless it starts a frame; address at the buffers
 
