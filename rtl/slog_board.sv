@@ -5,6 +5,9 @@
 // Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
 // Reset      : reaches the blocks 3 clocks after the pin; transfers in either direction before that are lost. The board
 //              starts in reset at power-up.
+// Rule       : the correlator reads no slot into which a capture has written since the slot last held a whole frame; so a
+//              result is of one frame or refused.
+`include "slog_assert.svh"
 module slog_board
   import slog_pkg::*;
   import slog_cfg_pkg::*;
@@ -317,4 +320,12 @@ module slog_board
       .busy_o        (work),
       .score_o       (score)
   );
+
+`ifndef SYNTHESIS
+  // Slots partly written: from the first word of a capture until the slot is valid again.
+  logic [7:0] partial_q, partial;
+  assign partial = (partial_q | (8'(wr_valid) << wr_addr / AddrW'(SlotWords))) & ~slot_valid;
+  always_ff @(posedge clk_i) partial_q <= rst ? '0 : partial;
+  `SLOG_ASSERT(SlogBoardOneFrame, rst || !rd_valid || !partial[3'(rd_addr / AddrW'(SlotWords))])
+`endif
 endmodule : slog_board
