@@ -154,6 +154,6 @@ module slog_frontend #(
   end
   assign busy_o = busy_q;
 
-  `SLOG_ASSERT(SlogFrontendSettings, $stable({width_i, height_i, g_i, g2_i}) || (!busy_o && $past(hold_i)))
+  `SLOG_ASSERT(SlogFrontendSettings, $stable({width_i, height_i, g_i, g2_i}) || (!busy_o && $past(hold_i || rst_i)))
   `SLOG_ASSERT(SlogFrontendDone, frame_done_o |-> word_valid_o)
 endmodule : slog_frontend

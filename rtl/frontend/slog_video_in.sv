@@ -49,7 +49,7 @@ module slog_video_in #(
     output logic             dropped_o,
     output logic             busy_o
 );
-  localparam int unsigned Lines = 3;  // one being written, one being read, one for the clocks in which both change lines
+  localparam int unsigned Lines = 3;  // one written, one read, one for the clocks in which both change lines
   localparam int unsigned Depth = Lines * MaxWidth;
   localparam int unsigned AddrW = $clog2(Depth);
 
@@ -126,7 +126,7 @@ module slog_video_in #(
   logic [1:0]       wr_line_q;
   logic [7:0]       wr_data_q, wr_data_q2, wr_data_q3;
   // Addresses are one clock later than the counters: the ring may lie far away.
-  logic             start_q2, jump_q2;       // the pixel starts a frame; the next address is target_q2, not this one + 1
+  logic             start_q2, jump_q2;       // the pixel starts a frame; the next address is target_q2
   logic [AddrW-1:0] base_q2, target_q2;      // address of the frame's first pixel; address after a jump
   logic [AddrW-1:0] wr_addr_q2, wr_addr_q3;  // address of the pixel unless it starts a frame; address at the ring
 
@@ -396,6 +396,7 @@ module slog_video_in #(
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&
                                  abort == (out_kill && !starts_q))
   `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q != '0 || abort_q != '0))
+  `SLOG_ASSERT(SlogVideoInRingReadNotWrite, !(wr_en_q3 && ring_en_q && wr_addr_q3 == ring_addr_q))
   `SLOG_ASSERT(SlogVideoInCopies, outside_q == !active_q && room_q == !full_q)
   `SLOG_ASSERT(SlogVideoInEnd, !boundary_q || ended_q == (rd_active_q && out_done_q))
   `SLOG_ASSERT(SlogVideoInOneOut, !(out_starts && out_active && !ended_q && !out_kill))
