@@ -1,7 +1,7 @@
-"""`slog_board` (`tiny`) while captures race searches and peeks of the same slot, against its cycle model on every clock.
+"""`slog_board` (`tiny`) while captures race searches and peeks of a slot, against its cycle model on every clock.
 
-A result is of the frame before, of the new one, or refused because the slot is invalid; a word read back is of either frame.
-The assertion of `slog_board` that the correlator reads no slot partly written is live.
+A result is of the frame before, of the new one, or refused because the slot is invalid; a word read back is of either
+frame. The assertion of `slog_board` that the correlator reads no slot partly written is live.
 """
 
 import random
@@ -68,8 +68,8 @@ def _load(h: Host, job: Job) -> Script:
 def _searches(h: Host, model: BoardModel, seen: Counter[str]) -> Script:
     """One capture into SLOT for each clock of AROUND, and one when the camera is idle again; a job races each.
 
-    The clocks from the start of the frame to the capture's clearing, and from the submit to the job's mark, are measured
-    first, on a race won by far.
+    The clocks from the start of the frame to the capture's clearing, and from the submit to the job's mark, are
+    measured first, on a race won by far.
     """
     planes = yield from _prepare(h)
     channel, fetch = model.capture.channels[0], model.correlator.fetch

@@ -11,8 +11,8 @@ STORE_LATENCY = 10
 class StoreModel:
     """A read returns all writes of two clocks before and earlier; its word must not be written in the clock before.
 
-    A peek reads likewise, but of a word written in the clock before it gives an undefined value. Words never written, and
-    data before the first read, are undefined.
+    A peek reads likewise, but of a word written in the clock before it gives an undefined value. Words never written,
+    and data before the first read, are undefined.
     """
 
     INPUTS = ("rst_i", "wr_valid_i", "wr_addr_i", "wr_data_i", "rd_valid_i", "rd_addr_i", "peek_valid_i", "peek_addr_i")
