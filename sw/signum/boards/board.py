@@ -150,7 +150,8 @@ class Board(ABC):
         """Send one frame through a camera's LoG and keep its signs in a slot; returns when the slot is valid.
 
         A slot that outstanding jobs name keeps its frame: their results must be collected first, also
-        those of jobs that the board will refuse. After a failed capture the slot holds no frame and no request is left on the board.
+        those of jobs that the board will refuse. After a failed capture the slot holds no frame and no request is left
+        on the board.
 
         Args:
             slot: 0..config.slots-1.
