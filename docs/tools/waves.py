@@ -103,7 +103,8 @@ def _bus(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> st
     while k < len(seen):
         value = _shown(signal, seen[k])
         last = k + 1
-        while last < len(seen) and _shown(signal, seen[last]) == value and (value is None or signal.held or not signal.valid):
+        merges = value is None or signal.held or not signal.valid
+        while merges and last < len(seen) and _shown(signal, seen[last]) == value:
             last += 1
         x0, x1 = NAME_W + k * CLOCK_W, NAME_W + last * CLOCK_W
         fill = "#eceff1" if value is None else "#e0f2f1"
@@ -184,8 +185,8 @@ def correlator() -> Wave:
 
 def array() -> Wave:
     """One pass of four rows of operands and five offsets."""
-    rows = [{"valid_i": 1, "first_i": int(r == 0), "last_i": int(r == 3), "tpl_a_i": 0x5A >> r, "search_a_i": 0x35A >> r,
-             "tpl_b_i": 0xC3 >> r, "search_b_i": 0x1C3 >> r} for r in range(4)]
+    rows = [{"valid_i": 1, "first_i": int(r == 0), "last_i": int(r == 3), "tpl_a_i": 0x5A >> r,
+             "search_a_i": 0x35A >> r, "tpl_b_i": 0xC3 >> r, "search_b_i": 0x1C3 >> r} for r in range(4)]
     common = {"move_i": 1, "mask_i": 0xFFFF, "lanes_i": TINY.lanes}
     inputs = [{**common, **i} for i in [*[{}] * 24, *rows, *[{}] * 32]]
     return Wave("slog_array of tiny", ArrayModel(TINY.group_bits, TINY.lanes), inputs, (
