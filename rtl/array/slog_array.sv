@@ -23,6 +23,7 @@
 //              block does not clear them. With move_i low no work is done.
 // Formats    : mismatch unsigned, 0..(2*GroupBits)**2 (slog_peak_intake asserts it against the window's area); 0 while
 //              mismatch_valid_o is low, see slog_emit for reset.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_array #(
     parameter  int unsigned GroupBits  = 8,

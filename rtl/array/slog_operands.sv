@@ -18,6 +18,7 @@
 //              word's wr_valid_i, and the word may be overwritten slog_array_pkg::ReuseClocks after the last such step.
 //              step_i.lanes 1..Lanes; rows lie within the ring or the template. move_o stays high for
 //              slog_array_pkg::hold_clocks after valid_o; then it falls if HoldIdle is set, and the array holds.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_operands #(
     parameter  int unsigned GroupBits   = 8,

@@ -14,6 +14,7 @@
 //   5    a_o b_o            5: units in order; zero if blank_a_i, blank_b_i or rst_i was high two clocks before
 //
 // Throughput : one choice per clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_ring_slice #(
     parameter  int unsigned UnitBits = 4,

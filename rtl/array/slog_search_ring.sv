@@ -15,6 +15,7 @@
 // Throughput : one read and one write per clock.
 // Rules      : a word whose group is not blanked is not written in the clock of the row_i that reads it: earlier writes
 //              are seen, later ones are not. Words past the end of a row are undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_search_ring #(
     parameter  int unsigned GroupBits   = 8,

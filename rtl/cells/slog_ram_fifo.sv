@@ -7,6 +7,7 @@
 //              assertion; the logic that would guard against it is left out.
 // Formats    : opaque words of Width bits; level_o counts the words held in RAM, pipeline and queue, 0..Depth. It counts
 //              a popped word for one clock longer.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_ram_fifo #(
     parameter  int unsigned Width  = 8,

@@ -8,6 +8,7 @@
 //              bytes 2 and 3 of the data follow req_o by 1 and 2 clocks. Nothing is accepted in reset.
 // Throughput : one access per 5 clocks plus the register block's latency, if its response is accepted at once.
 // Formats    : byte addresses; the low two bits are ignored.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_axil #(
     parameter int unsigned      AddrW    = 8,

@@ -4,6 +4,7 @@
 // Latency    : a command reaches the blocks 9 clocks after its address and data were accepted, result.pop after 11. Values
 //              read are one clock old, result.head.valid two, counts three, counts of results four. irq_o follows a result
 //              by 2 clocks, captures and drops by 3, a lost submit by 4.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_control
   import slog_pkg::*;

@@ -12,6 +12,7 @@
 //              busy_o falls 2 clocks after that, also after reset. hold_o[c] follows busy_o by c + 1 clocks. A coefficient
 //              of g is staged in 4 clocks, of g2 in 5.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_filter_bank #(
     parameter int unsigned Cameras   = 2,

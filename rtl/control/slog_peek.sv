@@ -10,6 +10,7 @@
 //              32 bits, and rises 2 clocks after peek_done_i; data_o follows it by Chunks + 1 clocks, a take_i by 2.
 // Rule       : address_i is constant for 3 clocks from go_i on.
 // Formats    : bit 0 is the leftmost pixel; a store word narrower than 32 bits fills the low bits.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peek #(
     parameter  int unsigned GroupBits  = 64,

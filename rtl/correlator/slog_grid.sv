@@ -7,6 +7,7 @@
 // Throughput : one job every other clock; one clock between commands.
 // Formats    : a count of 0 is taken as 1. Tags wrap; positions saturate at 1023, outside every image, so that jobs
 //              beyond the image are refused rather than wrapped.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_grid
   import slog_pkg::*;

@@ -13,6 +13,7 @@
 // Latency    : done_o 9 clocks after start_i; status_o and area_o stay until the next start_i.
 // Throughput : one job at a time. job_i is stable from start_i to done_o; slot_valid_i is sampled in start_i's clock.
 // Formats    : area_o modulo 2**15: exact for every window a board accepts (up to 128x128).
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_job_check
   import slog_pkg::*;

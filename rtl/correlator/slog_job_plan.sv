@@ -7,6 +7,7 @@
 //
 // Latency    : tpl_o and search_o are valid from WordsBits + 5 clocks after start_i on, while job_i is stable.
 // Throughput : one job at a time. The plan of a refused job is undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_job_plan
   import slog_pkg::*, slog_fetch_pkg::*;

@@ -15,6 +15,7 @@
 // Rules      : contexts, grants and rows are in job order; a grant is requested after the walker has taken the row
 //              before. Ring rows are freed only after they were written. mask_o: {group B, group A}, 1 = the bit
 //              belongs to the window; static while a step is in flight; changes 6 clocks after the array has drained.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_sequencer
   import slog_pkg::*, slog_fetch_pkg::*;

@@ -10,6 +10,7 @@
 // Rules      : a row that is offered stays offered until it is taken. After its last step its ring rows are freed, and,
 //              if it is the job's last row, the template bank. drained_o: no row is offered or in work, and no step was
 //              valid for at least DrainClocks clocks.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_walker
   import slog_pkg::*, slog_fetch_pkg::*;

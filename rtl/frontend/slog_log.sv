@@ -9,6 +9,7 @@
 //              busy_o is high from 3 clocks after a pixel or an abort enters to 1 clock after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" is output.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_log #(
     parameter  int unsigned MaxWidth = 48,

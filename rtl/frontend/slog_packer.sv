@@ -7,6 +7,7 @@
 // Latency    : 6 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 6 clocks after
 //              their inputs: a frame's first word follows GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; words cannot be stalled.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_packer #(
     parameter int unsigned GroupBits = 8

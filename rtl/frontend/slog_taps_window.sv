@@ -1,6 +1,7 @@
 // One window of slog_taps, cut into slices: the two places that are folded together and share a multiplier are in one slice.
 //
 // Latency, throughput, formats: those of slog_taps.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_taps_window #(
     parameter  int unsigned Radius = 8,

@@ -11,6 +11,7 @@
 // Results    : one in two clocks at most. Results and surface scores stay offered, unchanged, until they are taken.
 // Formats    : mismatch_i unsigned; scores ScoreW bits; absent scores in res_o are NoScore.
 // Ties       : the first in raster order is the best.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak
   import slog_pkg::*;

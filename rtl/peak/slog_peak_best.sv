@@ -11,6 +11,7 @@
 // Throughput : a row in two clocks.
 // Stalls     : a job's last row waits for room for its result: room_i in the clock before the order.
 // Ties       : a row must exceed the best, so the first row wins; slog_running_max takes the first column of a row.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_best
   import slog_pkg::*;

@@ -6,6 +6,7 @@
 //   0  far_valid_i      1  compare      2  select      3  verdict_valid_o
 // Throughput : a row in two clocks, columns one per clock. Never stalls: slog_peak reserves room for both outputs.
 // Formats    : absent scores are output as NoScore.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_collect
   import slog_pkg::*;

@@ -10,6 +10,7 @@
 //              released when the last scan that reads it starts: scans never pause and at most one score arrives per
 //              clock, so a new row follows the scan and never overtakes it. A surface score is taken only if surf_ok_i
 //              was high in the clock before; surf_ok_i must leave room for four more scores.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_intake
   import slog_pkg::*;

@@ -4,6 +4,7 @@
 //
 // Latency    : row_ready_o is low in the clock after a grant and reflects the grant from the second clock on.
 // Throughput : a grant in every other clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_room #(
     parameter int unsigned Depth      = 1024,

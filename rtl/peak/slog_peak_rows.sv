@@ -4,6 +4,7 @@
 //              it; row_o, refused_o and scoring_o are stable for one clock more.
 // Latency    : a context taken in clock t may have its first row taken in clock t+1.
 // Throughput : one row in two clocks, jobs back to back.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_rows
   import slog_pkg::*;

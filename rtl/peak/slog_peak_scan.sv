@@ -9,6 +9,7 @@
 // Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, an order of one column two
 //              (so that far_valid_o is high in every other clock at most), and never pauses.
 // Formats    : scores as maybe_t; far_o is 0 where nothing is outside the neighbourhood.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_scan
   import slog_pkg::*;

@@ -15,6 +15,7 @@
 //              after they are counted in its level.
 // Throughput : one word per clock in, out as fast as the store accepts; Depth suffices for the short last words of two
 //              cameras' rows.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_capture_channel #(
     parameter  int unsigned GroupBits   = 64,

@@ -10,6 +10,7 @@
 // Throughput : one read and one write per clock; one peek at a time.
 // Rule       : no word is read or peeked in the clock after it is written. A read in the same clock gives the old word,
 //              a read two clocks later the new one. peek_data_o is valid with peek_done_o.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_store
   import slog_store_pkg::*;
