@@ -344,6 +344,7 @@ module slog_control
   `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
   // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 3) && !$past(rst_i) && !$past(rst_i, 2)
+  // A reset discards the requests that the register block has not decoded.
+  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr && !rst_i, 3) && !$past(rst_i) && !$past(rst_i, 2)
                                        |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control
