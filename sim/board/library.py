@@ -18,7 +18,8 @@ Signatures = dict[str, tuple[object, list[object]]]
 
 DRIVER: Signatures = {
     "read": (_U, [_P, _U]), "write": (None, [_P, _U, _U]), "failed": (_I, [_P]), "start": (None, [_P]),
-    "set_filter": (_I, [_P, _P, _P, _I, _I, _I, _T]), "arm": (_I, [_P, _I, _I]), "disarm": (None, [_P, _I]),
+    "set_filter": (_I, [_P, _P, _P, _I, _I, _I, _T]), "wait_filter": (_I, [_P, _T]),
+    "abort_frames": (_U, [_P]), "arm": (_I, [_P, _I, _I]), "disarm": (None, [_P, _I]),
     "wait_captured": (_I, [_P, _U, _T]), "submit": (None, [_P, _P, _N]), "collect": (_I, [_P, _P, _N, _T]),
     "outstanding": (_N, [_P]), "peek": (None, [_P, _U, _P, _N]), "counters": (_N, [_P, _P]),
 }
