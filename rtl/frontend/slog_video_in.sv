@@ -84,8 +84,8 @@ module slog_video_in #(
   assign tready_o = !stop_q && !(hold_i && !active_q);
   assign come     = tvalid_i && !stop_q;  // a beat, unless hold_i blocks it
   assign beat     = come && !(hold_i && outside_q);
-  assign kill     = stop_q ? active_q
-                    : tvalid_i && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
+  assign kill     = stop_q ? active_q : tvalid_i && ((active_q && (tuser_i || (tlast_i != at_end_q)))
+                                                     || (closed_q && !tuser_i && !hold_i));
   assign good_end = come && at_end_q && !tuser_i && tlast_i;
   assign active   = !stop_q && (tuser_i ? !tlast_i && !(hold_i && outside_q)
                                 : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q));
