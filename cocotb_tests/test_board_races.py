@@ -7,14 +7,15 @@ frame. The assertion of `slog_board` that the correlator reads no slot partly wr
 import random
 from collections import Counter
 from collections.abc import Generator
+from functools import partial
 
 import cocotb
 import numpy as np
 
 from cocotb_tests.env.check import check_cycles
-from cocotb_tests.env.host import RESET_DELAY, Host, Script
+from cocotb_tests.env.host import Host, Script
 from golden.correlate import Job, Plane, Result, Status, run
-from golden.cycle.board import BoardModel
+from golden.cycle.board import RESET_START, BoardModel
 from golden.log import sign
 from golden.params import TINY
 from golden.traffic.store import plane_words
@@ -141,7 +142,7 @@ def _peeks(h: Host, model: BoardModel, seen: Counter[str]) -> Script:
             yield from h.write("peek_address", word=first + row * c.words_per_row, go=1)
             for k in range(row * c.words_per_row, row * c.words_per_row + 3):
                 access = h.master.read(address("peek_data"))
-                yield from h.until(lambda access=access: access.done, "read of peek_data")
+                yield from h.until(partial(getattr, access, "done"), "read of peek_data")
                 if access.data is None:
                     seen["undefined"] += 1
                 else:
@@ -160,7 +161,7 @@ async def searches(dut) -> None:
     seen: Counter[str] = Counter()
     model = BoardModel(TINY, fields())
     h = Host(TINY, random.Random(cocotb.RANDOM_SEED))
-    await check_cycles(dut, model, h.play(_searches(h, model, seen)), reset_clocks=RESET_DELAY)
+    await check_cycles(dut, model, h.play(_searches(h, model, seen)), reset_clocks=RESET_START)
     dut._log.info(f"{dict(seen)}")
     assert min(seen[what] for what in ("refused", "old frame", "new frame", "capture gave way")) >= 3, seen
 
@@ -170,7 +171,7 @@ async def peeks(dut) -> None:
     seen: Counter[str] = Counter()
     model = BoardModel(TINY, fields())
     h = Host(TINY, random.Random(cocotb.RANDOM_SEED))
-    await check_cycles(dut, model, h.play(_peeks(h, model, seen)), reset_clocks=RESET_DELAY)
+    await check_cycles(dut, model, h.play(_peeks(h, model, seen)), reset_clocks=RESET_START)
     dut._log.info(f"{dict(seen)}")
     assert seen["old word"] >= 10 and seen["new word"] >= 10, seen
 

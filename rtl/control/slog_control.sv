@@ -17,6 +17,7 @@ module slog_control
     output axil_rsp_t                      axil_o,
     // front ends
     output logic [Cameras-1:0]             hold_o,
+    output logic [Cameras-1:0]             abort_o,         // pulses: drop the frame that the camera is sending
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
@@ -216,6 +217,7 @@ module slog_control
   );
 
   // Commands
+  assign abort_o          = Cameras'({hwif_out.filter.abort_1.value, hwif_out.filter.abort_0.value});
   assign capture_valid_o  = hwif_out.capture.go.value;
   assign capture_cancel_o = hwif_out.capture.cancel.value;
   assign capture_camera_o = hwif_out.capture.camera.value;

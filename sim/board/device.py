@@ -77,6 +77,12 @@ class Device(RegisterDriver):
         self.size = (self.config.max_width, self.config.max_height)
         self._check("reset")
 
+    def restart(self, clocks: int = 1) -> None:
+        """Reset the board for some clocks while the cameras go on sending what was queued; else as `reset`."""
+        self._lib.slog_restart(self._board, clocks)
+        self.size = (self.config.max_width, self.config.max_height)
+        self._check("reset")
+
     # ---------------------------------------------------------------------------------------------------------- video
     def play(self, frame: Image, camera: int = 0, pause: float = 0.0, seed: int = 1) -> None:
         """Queue a frame, uint8 (height, width), on a camera; it plays while other calls run the clock.

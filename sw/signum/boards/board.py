@@ -149,8 +149,9 @@ class Board(ABC):
     def capture(self, slot: int, frame: Image, camera: int = 0) -> None:
         """Send one frame through a camera's LoG and keep its signs in a slot; returns when the slot is valid.
 
-        A slot that outstanding jobs name keeps its frame: their results must be collected first, those of jobs the board
-        will refuse among them. After a failed capture the slot holds no frame and no request is left on the board.
+        A slot that outstanding jobs name keeps its frame: their results must be collected first, also
+        those of jobs that the board will refuse. After a failed capture the slot holds no frame and no request is left
+        on the board.
 
         Args:
             slot: 0..config.slots-1.
@@ -158,8 +159,8 @@ class Board(ABC):
             camera: 0..config.cameras-1.
 
         Raises:
-            BoardError: for a wrong slot, camera, shape or dtype, before `configure`, if results of jobs that name the slot
-            are outstanding (nothing is sent then), or if the frame was dropped.
+            BoardError: for a wrong slot, camera, shape or dtype, before `configure`, if results of jobs that name the
+            slot are outstanding (nothing is sent then), or if the frame was dropped.
         """
         self._capture_all([(camera, slot, frame)])
 
