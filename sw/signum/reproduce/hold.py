@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from signum.applications.hold.body_pid import Axes
 from signum.applications.hold.judge import judge_hold_rows
-from signum.applications.hold.loops import Axes
 from signum.applications.hold.page import hold_bars, hold_section
 from signum.applications.hold.record import HoldRecord
 from signum.applications.hold.simulate import Scenario, simulate_hold

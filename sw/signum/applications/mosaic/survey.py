@@ -21,7 +21,7 @@ import numpy as np
 
 from signum.applications.mosaic.edges import JOIN, LIVE, LOOP, SEQUENCE, Edge, read_edges
 from signum.applications.mosaic.ledger import Ledger, Piece
-from signum.applications.mosaic.loops import Loops
+from signum.applications.mosaic.loop_closures import Loops
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.results import Results
 from signum.applications.mosaic.settings import SurveySettings

@@ -15,7 +15,7 @@ from typer.testing import CliRunner, Result
 
 from signum.applications.mosaic.accuracy import pose_errors, read_track
 from signum.applications.mosaic.edges import JOIN, SEQUENCE
-from signum.applications.mosaic.loops import Loops
+from signum.applications.mosaic.loop_closures import Loops
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError
 from signum.applications.mosaic.simulate import Flown, Plan, simulate_survey
