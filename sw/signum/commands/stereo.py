@@ -21,7 +21,8 @@ from signum.common.errors import SourceError
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
-from signum.measure.stereo import RangeMap, draw_range, measure_range, write_ply
+from signum.measure.stereo import RangeMap, measure_range
+from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
 from signum.sources.open import open_source
 from signum.tables.schemas import DISPARITY

@@ -12,8 +12,7 @@ from signum.applications.hold.judge import Moment
 from signum.common.arrays import Floats
 from signum.demo.flight import COLUMN_IMAGES, DT, FLOW_FRAMES, DemoFlight
 from signum.demo.overview import draw_held, draw_paths
-from signum.measure.flow import draw_flow
-from signum.report.draw import draw_tracks, stages
+from signum.report.draw import draw_flow, draw_tracks, stages
 from signum.report.page import Section, figure, plot, row, table, write_page
 
 CLOCK_MHZ = 150, 205

@@ -9,7 +9,8 @@ from golden.params import FULL
 from signum.boards.board import BoardError
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
-from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
+from signum.measure.measurer import Measurement, Measurer, Query, white_match
+from signum.measure.validity import Reason, Rules
 from signum.world.degrade import degrade
 
 SIZE = 400, 320

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
-from signum.measure.measurer import Measurer, Query, Rules, View
+from signum.measure.measurer import Measurer, Query, View
+from signum.measure.validity import Rules
 
 HOLD_RULES = Rules(min_score=0.6, min_margin=0.02, max_return_px=1.5)
 TOLERANCE_PX = 4.0

@@ -2,9 +2,9 @@
 
 The track of the vehicle is not given: a single column, columns flown back and forth, or any other. The sequence places
 each frame; least squares over all edges (`graph`) corrects the places. After every stored frame the pairs whose
-predicted overlap is large enough are registered (`loops`), within the uncertainty of the prediction; what is found
-elsewhere is refused. Where the sequence breaks, a new piece begins, and frames of both pieces are tried until one edge
-between them is found and confirmed by others.
+predicted overlap is large enough are registered (`loop_closures`), within the uncertainty of the prediction; what is
+found elsewhere is refused. Where the sequence breaks, a new component begins, and frames of both components are tried
+until one edge between them is found and confirmed by others.
 """
 
 from __future__ import annotations
