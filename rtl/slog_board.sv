@@ -1,8 +1,8 @@
 // The board: two cameras, sign-of-LoG front ends, bit-plane store, correlator, registers. Wiring only.
 //
-// Registers  : AXI4-Lite, rtl/slog_csr.rdl.
+// Registers  : AXI4-Lite, rtl/control/slog_csr.rdl.
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
-// Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
+// Surface    : AXI4-Stream of scores in raster order for jobs with the surface bit; tuser = first, tlast = last of a job.
 // Reset      : reaches the blocks 3 clocks after the pin; transfers in either direction before that are lost. The board
 //              starts in reset at power-up.
 module slog_board

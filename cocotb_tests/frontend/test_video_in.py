@@ -9,7 +9,7 @@ from cocotb_tests.env.params import params
 from golden.cycle.frontend.video_in import VideoInModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from golden.traffic.video import BAD_KINDS, bad, good, play, stray, texture
 from sim.testbench.runner import simulate
 
@@ -32,10 +32,10 @@ async def every_clock(dut, source: str, held: bool) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
-    hold = willing("long", rng) if held else None
+    hold = ready_pattern("long", rng) if held else None
     settings = {"width_i": WIDTH, "height_i": HEIGHT}
     await check_cycles(dut, VideoInModel(params()["Radius"]),
-                       play(items, settings, willing(source, rng), rng, gap=40, hold=hold), count)
+                       play(items, settings, ready_pattern(source, rng), rng, gap=40, hold=hold), count)
     if not held:  # under hold, surplus lines wait until the frame before has left
         assert counts["accepted_o"] == sum(i.good is not None for i in items)
     assert counts["dropped_o"] == sum(i.drops for i in items)
@@ -53,7 +53,7 @@ async def reset_in_mid_frame(dut) -> None:
     def stimulus() -> Stimulus:
         for _ in range(8):
             items = [good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)]
-            run = play(items, settings, willing("random", rng), rng)
+            run = play(items, settings, ready_pattern("random", rng), rng)
             i = next(run)
             try:
                 for _ in range(rng.randint(1, 5 * frame)):
@@ -61,7 +61,8 @@ async def reset_in_mid_frame(dut) -> None:
             except StopIteration:
                 pass
             yield {**settings, "rst_i": 1, "tvalid_i": 1, "tdata_i": 3, "tuser_i": rng.getrandbits(1)}
-        yield from play([good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)], settings, willing("none", rng), rng)
+        frames = [good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)]
+        yield from play(frames, settings, ready_pattern("none", rng), rng)
 
     def count(i: Inputs, out: Outputs) -> None:
         nonlocal done
@@ -89,7 +90,7 @@ async def latency(dut) -> None:
 
     items = [good(texture(rng, WIDTH, HEIGHT))]
     await check_cycles(dut, VideoInModel(params()["Radius"]),
-                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, willing("none", rng), rng), watch)
+                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern("none", rng), rng), watch)
     assert len(last_in) == HEIGHT
     assert [b - a for a, b in zip(last_in, first_out, strict=True)] == [VideoInModel.LATENCY] * HEIGHT
 

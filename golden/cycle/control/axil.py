@@ -60,7 +60,7 @@ class AxilModel:
         return read or write
 
     def outputs(self) -> dict[str, int | None]:
-        """Outputs of this clock: all come from registers."""
+        """Outputs of this clock; all are registers."""
         return {
             "s_axil_arready": int(self.ar is None and not self.fresh),
             "s_axil_awready": int(self.aw is None and not self.fresh),

@@ -44,12 +44,12 @@ class CsrModel:
 
     def _reset(self) -> None:
         self.value = {**self.stored, **dict.fromkeys(self.pulses, 0), **dict.fromkeys(self.cleared, 0)}
-        self.parted: Request | None = None  # the request of the clock before, its address in two halves
-        self.found: Request | None = None  # the request of two clocks before
-        self.decoded: Request | None = None  # the request of three clocks before, which reaches its register
-        self.read: tuple[int | None] | None = None  # the value read by the request of four clocks before
-        self.read2: tuple[int | None] | None = None  # the value read by the request of five clocks before
-        self.answer: tuple[int | None] | None = None  # the value the read path returns in this clock
+        self.parted: Request | None = None  # passed on 1 clock before: its address is split
+        self.found: Request | None = None  # passed on 2 clocks before: its register is found
+        self.decoded: Request | None = None  # passed on 3 clocks before: it reaches its register
+        self.read: tuple[int | None] | None = None  # value read in the clock before, when it was in `decoded`
+        self.read2: tuple[int | None] | None = None  # value read 2 clocks before
+        self.answer: tuple[int | None] | None = None  # value read 3 clocks before, which the read path returns now
 
     @property
     def taken(self) -> bool:
@@ -57,7 +57,7 @@ class CsrModel:
         return self.decoded is not None and not self.decoded.is_write and self.decoded.address == self.waits
 
     def outputs(self) -> dict[str, int | None]:
-        """Outputs of this clock: all come from registers."""
+        """Outputs of this clock; all are registers."""
         return self.axil.outputs()
 
     def edge(self, i: Mapping[str, int], status: Mapping[str, int | None], events: Mapping[str, int],

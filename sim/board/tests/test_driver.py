@@ -74,7 +74,7 @@ def test_structs_agree_field_by_field() -> None:
 
 
 def test_each_field_reaches_its_register() -> None:
-    """A job whose fields all differ, and a result likewise."""
+    """A job and a result whose fields all differ."""
     job = Job(tpl_slot=1, tpl_x=2, tpl_y=3, width=14, height=15, search_slot=6, search_x=7, search_y=8, offsets_x=9,
               offsets_y=10, tag=11, surface=True)
     count, step = (2, 3), (4, 5)

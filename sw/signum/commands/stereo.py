@@ -59,7 +59,8 @@ DISPARITY_DEFAULTS = DisparityOptions()
 @command()
 def stereo(
     left: Annotated[str, typer.Argument(help="Left camera's picture, folder, video or bag.", show_default=False)],
-    right: Annotated[str, typer.Argument(help="The same of the right camera, as many frames.", show_default=False)],
+    right: Annotated[str, typer.Argument(help="Right camera's picture, folder, video or bag, with as many frames "
+                                         "as the left.", show_default=False)],
     calibration: Annotated[Path | None, typer.Option(
         "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the pair (K1 D1 K2 D2 R T image_width "
         "image_height, T in metres): rectifies the frames, and gives ranges. Without it the frames must be rectified, "

@@ -14,7 +14,7 @@ from signum.demo.flight import DemoFlight
 from signum.report.draw import draw_flow, draw_tracks
 
 OVERVIEW_HEIGHT = 400
-"""Of the picture, pixels."""
+"""Height of the picture, pixels."""
 PANEL_GAP = 8
 """Between panels, pixels."""
 ENLARGED = 1.3

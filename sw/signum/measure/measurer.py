@@ -56,7 +56,8 @@ class View:
 class Query:
     """Where does the window of `reference` with its centre at (x, y) lie in `live`?
 
-    The window covers columns x - width//2 to x - width//2 + width - 1, and rows likewise. The search range is `reach`
+    The window covers columns x - width//2 to x - width//2 + width - 1, and rows y - height//2 to
+    y - height//2 + height - 1. The search range is `reach`
     (across, down) pixels around the `guess`ed displacement (dx, dy), clipped to the picture.
     """
 

@@ -144,7 +144,7 @@ class StationMeter:
         return self._tilted(self._last(self._anchors), level)
 
     def middle_at(self, level: Level = UPRIGHT) -> Floats:
-        """Position of the ground point below the station, likewise: pixel (2,) of the frame."""
+        """Position of the ground point below the station, in the same form: pixel (2,) of the frame."""
         return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
 
     def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float) -> Reading:
