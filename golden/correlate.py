@@ -32,7 +32,7 @@ _FIELD_MAX = {
 
 
 class Status(IntEnum):
-    """Why a job was refused (`slog_pkg::status_e`); where several reasons apply, the smallest is reported."""
+    """Outcome of a job's check (`slog_pkg::status_e`): OK, or the first reason for refusal in this order."""
 
     OK = 0
     BAD_WINDOW = 1
@@ -123,7 +123,7 @@ def surface(template_plane: Plane, search_plane: Plane, job: Job) -> Surface:
 
     Args:
         template_plane: plane of the template slot, uint8 0/1, (H, W).
-        search_plane: plane of the search slot, likewise.
+        search_plane: plane of the search slot, uint8 of the same size.
         job: a job that lies inside both planes.
 
     Returns:

@@ -25,7 +25,7 @@ SCORE_BITS = 15
 NO_SCORE = (1 << SCORE_BITS) - 1
 """Absent score: no offset at that position, or none outside the neighbourhood of the peak."""
 MIN_SIGMA, MAX_SIGMA = 1.0, 4.0
-"""Range of sigma that every board takes, pixels: over it the sign agrees with a float64 LoG and the kernel fits."""
+"""Range of sigma that every board takes, pixels: within it the sign agrees with a float64 LoG and the kernel fits."""
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from cocotb_tests.env.check import check_cycles
 from golden.cycle.control.control import ControlModel
 from golden.cycle.model import Inputs, Stimulus
 from golden.params import CONFIGS, Config
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.registers.map import fields
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -88,14 +88,14 @@ def _traffic(rng: random.Random, model: ControlModel, seen: Counter[str], ahead:
     peek_address, peek_data = fields()["peek_address.word"].address, fields()["peek_data.value"].address
     aw, w, ar = (Channel(rng) for _ in range(3))
     channels = {"aw": aw, "w": w, "ar": ar}
-    ready = {n: willing("none", rng) for n in ("b", "r")}
+    ready = {n: ready_pattern("none", rng) for n in ("b", "r")}
     peek: list[int] = []  # clocks until the store answers
     held: Inputs = {}
     taken = Counter[str]()  # addresses and data accepted since the reset, which pair up to writes
     last_taken = {"aw": -2, "w": -2, "ar": -2}
     for t in range(CLOCKS):
         if t % 400 == 0:
-            ready = {n: willing(rng.choice(SHAPES[:3]), rng) for n in ready}
+            ready = {n: ready_pattern(rng.choice(SHAPES[:3]), rng) for n in ready}
         if len(aw.queue) < ahead and len(w.queue) < ahead:
             address, payload = _write(rng, c, commands)
             for _ in range(1 + (address & 0xFC == peek_address and rng.random() < 0.7)):

@@ -7,7 +7,7 @@
 //
 // Stage                 registers              valid at lane k, bit i after the operands' clock (L = Levels)
 //   hop, XOR            slog_lanes             2 + k
-//   heap of adders      slog_popcount          2 + L + k + i
+//   tree of adders      slog_popcount          2 + L + k + i
 //   sum over rows       slog_accumulator       4 + L + k + i
 //   lane selection      slog_emit              7 + L + k + i
 //   deskewed score      mismatch_o             6 + L + ScoreBits + k = slog_array_pkg::core_latency + k

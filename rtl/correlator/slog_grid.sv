@@ -36,7 +36,8 @@ module slog_grid
   logic [15:0] tag_q;
   logic [9:0] tpl_x_q, tpl_y_q, search_x_q, search_y_q;
   logic [9:0] step_x_q, step_y_q, count_x_q;
-  logic [9:0] left_x_q, left_y_q;           // jobs left in this row, rows left, this one included; unused if last
+  logic [9:0] left_x_q;                     // jobs left in this row, this one included; unused in the last job
+  logic [9:0] left_y_q;                     // rows left, this one included; unused in the last row
   logic last_x_q, last_y_q;                 // this job is the last of its row; this row is the last
   // The same for the next job, computed while valid_q is high; positions are not yet saturated.
   logic [10:0] tpl_x_q2, tpl_y_q2, search_x_q2, search_y_q2;

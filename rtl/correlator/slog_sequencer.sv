@@ -99,7 +99,8 @@ module slog_sequencer
   localparam int unsigned Units    = 2 * GroupBits / Unit;
   localparam int unsigned HalfUnit = GroupBits / Unit;
   localparam int unsigned CountW   = 8 - UnitW;
-  logic [3:0] past_low_q, in_low_q;     // [n]: the number of full units is above n, equal to n; low and high part apart
+  // The number of full units in two parts, its low two bits and the bits above them: [n]: the part is above n, equal to n.
+  logic [3:0] past_low_q, in_low_q;
   logic [(1<<CountW)/4-1:0] past_high_q, in_high_q;
   logic [Units-1:0] reached_q, ends_q;  // [u]: a row over both groups reaches past unit u, ends in it
   logic [Units-1:0] full_q, partly_q;

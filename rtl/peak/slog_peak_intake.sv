@@ -71,7 +71,7 @@ module slog_peak_intake
   assign move             = !run_q || (mismatch_valid_i && !halt_q);
   assign row_taken_o      = take;
   assign next             = !run_q || !more_q;
-  // The waiting row (row_go), the present row (run_go) would take a score in the next clock.
+  // row_go: the waiting row would take a score in the next clock. run_go: the present row would.
   assign row_go           = !row_refused_i && (surf_ok_i || !scoring_i.surface);
   assign row_ends         = open_q && row_go && scoring_i.one;
   assign run_go           = surf_ok_i || !surface_q;

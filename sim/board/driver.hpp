@@ -1,5 +1,5 @@
-// The board's register sequences, on any bus that reads and writes its registers. Register addresses and fields come from the
-// generated header.
+// Queues jobs, feeds them to the board and collects results, on any bus that reads and writes the board's registers. Register
+// addresses and fields are defined in the generated header.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +41,7 @@ class Driver {
 
   Bus& bus() { return bus_; }
 
-  // Forgets all that was queued and sets up the registers: for a board that was just reset.
+  // Clears the host-side queues and sets up the registers: for a board that was just reset.
   void start() {
     jobs_.clear();
     results_.clear();

@@ -15,7 +15,7 @@ from golden.correlate import Job, Result
 from golden.log import Image
 from golden.params import Config
 from sim.board.library import TIMEOUT
-from sim.board.structs import RESULT, pack_jobs, unpack_results
+from sim.board.structs import RESULT_DTYPE, pack_jobs, unpack_results
 from sim.registers.map import address, fields, word
 
 FRAME_CLOCKS = 8
@@ -196,7 +196,7 @@ class RegisterDriver:
         Raises:
             DeviceTimeout: if they do not arrive.
         """
-        results = np.zeros(count, RESULT)
+        results = np.zeros(count, RESULT_DTYPE)
         # The longest job: a pass of max_window steps for every pitch offsets.
         c = self.config
         longest = c.max_width * c.max_height * c.max_window // c.pitch

@@ -25,10 +25,11 @@ _MODULES = {
     "signum.frames.frame": ("Frame", "Source", "read_picture"),
     "signum.geometry.similarity": ("Similarity",),
     "signum.measure.flow": ("FlowField", "measure_flow"),
-    "signum.measure.measurer": ("Measurement", "Measurer", "Query", "Reason", "Rules", "View"),
+    "signum.measure.measurer": ("Measurement", "Measurer", "Query", "View"),
     "signum.measure.register": ("Registrar", "Registration", "RegistrationLimits"),
     "signum.measure.stereo": ("RangeMap", "measure_range"),
     "signum.measure.track": ("TrackPoint", "TrackSettings", "Tracker"),
+    "signum.measure.validity": ("Reason", "Rules"),
     "signum.sources.open": ("open_source",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
@@ -43,10 +44,11 @@ if TYPE_CHECKING:
     from signum.frames.frame import Frame, Source, read_picture
     from signum.geometry.similarity import Similarity
     from signum.measure.flow import FlowField, measure_flow
-    from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, View
+    from signum.measure.measurer import Measurement, Measurer, Query, View
     from signum.measure.register import Registrar, Registration, RegistrationLimits
     from signum.measure.stereo import RangeMap, measure_range
     from signum.measure.track import Tracker, TrackPoint, TrackSettings
+    from signum.measure.validity import Reason, Rules
     from signum.sources.open import open_source
 else:
     def __getattr__(name: str) -> object:

@@ -13,8 +13,9 @@ from signum.commands.app import command
 from signum.commands.options import BoardOptions, CalibrationOption, OutOption, SourceArgument
 from signum.commands.session import Session
 from signum.frames.frame import Frame
-from signum.measure.flow import FlowField, draw_flow, measure_flow
+from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
+from signum.report.draw import draw_flow
 from signum.report.movie import Movie
 from signum.report.rows import flow_rows
 from signum.tables.schemas import FLOW

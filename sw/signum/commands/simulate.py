@@ -42,7 +42,7 @@ class Kind(StrEnum):
 
 
 class WaterName(StrEnum):
-    """`sources.simulated.WATERS`, as a choice."""
+    """The waters of `sources.simulated.WATERS`, for the choice on the command line."""
 
     clear = "clear"
     coastal = "coastal"

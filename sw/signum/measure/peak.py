@@ -1,4 +1,4 @@
-"""What the board answers to jobs, in pixels and matching fractions."""
+"""Converts job results to displacements in pixels and scores 0..1."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def _prepare(board: Board, size: tuple[int, int], sigma: float, frames: list[Ima
 
 
 def test_identification(boards: Pair) -> None:
-    """What the registers hold is what the configuration says."""
+    """The registers hold the values of the configuration."""
     golden, verilated = (board.identification for board in boards)
     assert golden.board == "golden" and verilated == replace(golden, board="verilated")
 

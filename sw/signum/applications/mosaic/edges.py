@@ -20,7 +20,7 @@ LIVE = "live"
 LOOP = "loop"
 """Kind of an edge proposed from the predicted overlap."""
 JOIN = "join"
-"""Kind of an edge between two pieces."""
+"""Kind of an edge between two components."""
 
 
 @dataclass(frozen=True)
