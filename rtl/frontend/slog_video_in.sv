@@ -391,8 +391,8 @@ module slog_video_in #(
   `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
   `SLOG_ASSERT(SlogVideoInHead, line_q[0].valid ? line_q[0].live == !line_q[0].dead
                                                 : !line_q[0].current && !line_q[0].dead && !line_q[0].live)
-  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
-  `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
+  `SLOG_ASSERT(SlogVideoInAtEnd, !at_end_q || active_q)
+  `SLOG_ASSERT(SlogVideoInClosed, !closed_q || !active_q)
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&
                                  abort == (out_kill && !starts_q))
   `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q != '0 || abort_q != '0))
