@@ -29,24 +29,23 @@ module slog_rules_store
     logic [Width-1:0] word;
   } wanted_t;
   logic [AddrW-1:0] choice_q;
-  logic known_q;            // the watched word was written
+  logic known_q, fresh_q;   // the watched word was written; it was in the clock before, where a peek may give anything
   logic [Width-1:0] word_q;
   wanted_t [StoreLatency-1:0] wanted_q;
   always_ff @(posedge clk_i) begin
     choice_q <= choice_q;
     if (wr_valid_i && wr_addr_i == choice_q) begin
-      known_q <= 1'b1;
+      known_q <= !rst_i;
       word_q  <= wr_data_i;
+    end else if (rst_i) begin
+      known_q <= 1'b0;
     end
+    fresh_q <= wr_valid_i && wr_addr_i == choice_q;
     if (rst_i) begin
-      known_q  <= 1'b0;
       wanted_q <= '0;
     end else begin
       wanted_q <= {wanted_q[StoreLatency-2:0], wanted_t'{read: rd_valid_i && rd_addr_i == choice_q && known_q,
-                   peek: peek_go && peek_addr_q == choice_q && known_q, word: word_q}};
-      if (wr_valid_i && wr_addr_i == choice_q) begin
-        known_q <= 1'b1;
-      end
+                   peek: peek_go && peek_addr_q == choice_q && known_q && !fresh_q, word: word_q}};
     end
     if (!rst_i) begin
       RulesStoreRead : assert (!wanted_q[StoreLatency-1].read || rd_data_o == wanted_q[StoreLatency-1].word);
