@@ -53,6 +53,10 @@ lint: $(VENV)/.installed ## Check Python, RTL and generated files, without runni
 synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
+.PHONY: formal
+formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
+	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
+
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
 	@$(PY) -m sim.speed

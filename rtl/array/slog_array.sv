@@ -100,7 +100,9 @@ module slog_array #(
   end
 `endif
   `SLOG_ASSERT_INIT(SlogArraySizes, GroupBits == 2 ** Levels && Lanes >= 2)
-  `SLOG_ASSERT(SlogArrayZero, valid_i || !move_i || $past(rst_i)
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_PAST(past_mask, mask_i)
+  `SLOG_ASSERT(SlogArrayZero, valid_i || !move_i || past_rst
                               || ({tpl_a_i, tpl_b_i} == '0 && {search_a_i, search_b_i} == '0))
-  `SLOG_ASSERT(SlogArrayMaskStatic, $stable(mask_i) || moves_since_valid >= Lanes)
+  `SLOG_ASSERT(SlogArrayMaskStatic, mask_i == past_mask || moves_since_valid >= Lanes)
 endmodule : slog_array

@@ -231,6 +231,7 @@ module slog_operands #(
                                  && 32'(step_i.ring_row) < RingRows && 32'(step_i.tpl_step) < 2 * GroupBits))
   `SLOG_ASSERT(SlogOperandsWrite, !wr_valid_i || 32'(wr_row_i) < (wr_tpl_i ? 2 * GroupBits : RingRows))
   `SLOG_ASSERT(SlogOperandsTplReuse, !(wr_tpl_a_q && tpl_a_taken) && !(wr_tpl_b_q && tpl_b_taken))
-  `SLOG_ASSERT(SlogOperandsZeroA, valid_o || $past(rst_i) || (tpl_a_o == '0 && search_a_o == '0))
-  `SLOG_ASSERT(SlogOperandsZeroB, (valid_o && row_b_o) || $past(rst_i) || (tpl_b_o == '0 && search_b_o == '0))
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_ASSERT(SlogOperandsZeroA, valid_o || past_rst || (tpl_a_o == '0 && search_a_o == '0))
+  `SLOG_ASSERT(SlogOperandsZeroB, (valid_o && row_b_o) || past_rst || (tpl_b_o == '0 && search_b_o == '0))
 endmodule : slog_operands

@@ -83,5 +83,7 @@ module slog_ring_slice #(
     else b_o <= {b_q4[1][UnitBits-1:0], b_q4[0]};
   end
 
-  `SLOG_ASSERT(SlogRingSliceBlank, (!$past(blank_a_i, 2) || a_o == '0) && (!$past(blank_b_i, 2) || b_o == '0))
+  `SLOG_PAST(past_blank, {blank_b_i, blank_a_i})
+  `SLOG_PAST(past_blank2, past_blank)
+  `SLOG_ASSERT(SlogRingSliceBlank, (!past_blank2[0] || a_o == '0) && (!past_blank2[1] || b_o == '0))
 endmodule : slog_ring_slice

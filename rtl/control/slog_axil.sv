@@ -157,8 +157,9 @@ module slog_axil #(
 
   `SLOG_ASSERT(SlogAxilCopies, begin_q[0] == (read_q || write_q)
                                && !(aw_q && aw_free_q) && !(w_q && w_free_q) && !(ar_q && ar_free_q))
-  `SLOG_ASSERT(SlogAxilAnswerExpected, wr_ack_i || rd_ack_i |-> under_way_q && !(wr_ack_i && rd_ack_i))
-  `SLOG_ASSERT(SlogAxilRequestStays, under_way_q && !req_o |-> $stable({req_is_wr_o, req_addr_o}))
+  `SLOG_ASSERT(SlogAxilAnswerExpected, !(wr_ack_i || rd_ack_i) || (under_way_q && !(wr_ack_i && rd_ack_i)))
+  `SLOG_PAST(past_request, {req_is_wr_o, req_addr_o})
+  `SLOG_ASSERT(SlogAxilRequestStays, !under_way_q || req_o || {req_is_wr_o, req_addr_o} == past_request)
   `SLOG_ASSERT_STABLE(SlogAxilWriteStable, bvalid_o, bready_i, bvalid_o)
   `SLOG_ASSERT_STABLE(SlogAxilReadStable, rvalid_o, rready_i, rdata_o)
 endmodule : slog_axil

@@ -132,8 +132,9 @@ module slog_peek #(
   assign ready_o      = have_q && !go_q;
   assign data_o       = data_q;
 
-  `SLOG_ASSERT(SlogPeekReady, take_i || onward_q |-> have_q && !go_i && !go_q)
-  `SLOG_ASSERT(SlogPeekAddressStays, go_q || (new_q && first_q) |-> $stable(address_i))
-  `SLOG_ASSERT(SlogPeekOneNew, new_q || new_q2 |-> !go_q && !onward_q)
-  `SLOG_ASSERT(SlogPeekDoneExpected, peek_done_i |-> flight_q)
+  `SLOG_ASSERT(SlogPeekReady, !(take_i || onward_q) || (have_q && !go_i && !go_q))
+  `SLOG_PAST(past_address, address_i)
+  `SLOG_ASSERT(SlogPeekAddressStays, !(go_q || (new_q && first_q)) || address_i == past_address)
+  `SLOG_ASSERT(SlogPeekOneNew, !(new_q || new_q2) || (!go_q && !onward_q))
+  `SLOG_ASSERT(SlogPeekDoneExpected, !peek_done_i || flight_q)
 endmodule : slog_peek

@@ -108,7 +108,7 @@ module slog_grid
   assign job_valid_o = taken_q;
 
   `SLOG_ASSERT(SlogGridState, open_q == !valid_q && laying_q == !ready_q && !(ready_q && valid_q))
-  `SLOG_ASSERT(SlogGridRoom, taken_q |-> valid_q && job_ready_i)
-  `SLOG_ASSERT(SlogGridJobsApart, job_valid_o |=> !job_valid_o)
-  `SLOG_ASSERT(SlogGridReadyStays, job_ready_i && !job_valid_o |=> job_ready_i)
+  `SLOG_ASSERT(SlogGridRoom, !taken_q || (valid_q && job_ready_i))
+  `SLOG_ASSERT_NEXT(SlogGridJobsApart, job_valid_o, !job_valid_o)
+  `SLOG_ASSERT_NEXT(SlogGridReadyStays, job_ready_i && !job_valid_o, job_ready_i)
 endmodule : slog_grid

@@ -125,8 +125,9 @@ module slog_job_check
   `SLOG_ASSERT_INIT(SlogJobCheckCodes, StatusOk == 0 && StatusBadWindow == 1 && StatusNoOffsets == 2
                                        && StatusBadSlot == 3 && StatusOutside == 4)
   `SLOG_ASSERT(SlogJobCheckOneAtATime, !(start_i && busy_q))
-  `SLOG_ASSERT(SlogJobCheckStable, busy_q |-> $stable(job_i))
+  `SLOG_PAST(past_job, job_i)
+  `SLOG_ASSERT(SlogJobCheckStable, !busy_q || job_i == past_job)
   `SLOG_ASSERT_INIT(SlogJobCheckRanges, MinWindow >= 1 && MinWindow <= MaxWindow && MaxWindow ** 2 < 2 ** ScoreW
                                         && Slots >= 1 && Slots <= 8)
-  `SLOG_ASSERT(SlogJobCheckKept, !busy_q && !start_i |=> $stable({status_o, area_o}))
+  `SLOG_ASSERT_KEPT(SlogJobCheckKept, !busy_q && !start_i, {status_o, area_o})
 endmodule : slog_job_check

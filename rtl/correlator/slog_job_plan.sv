@@ -135,6 +135,7 @@ module slog_job_plan
 
   `SLOG_ASSERT_INIT(SlogJobPlanShift, ShiftW <= 6 && ShiftW >= 2)
   `SLOG_ASSERT_INIT(SlogJobPlanWords, WordsPerRow <= 15 && 8 * MaxHeight * WordsPerRow <= 65536)
-  `SLOG_ASSERT(SlogJobPlanStable, (start_q || |at_q) |-> $stable(job_i))
+  `SLOG_PAST(past_job, job_i)
+  `SLOG_ASSERT(SlogJobPlanStable, !(start_q || |at_q) || job_i == past_job)
   `SLOG_ASSERT(SlogJobPlanOneAtATime, !(start_q && |at_q))
 endmodule : slog_job_plan

@@ -59,5 +59,6 @@ module slog_fir #(
     );
   end
 
-  `SLOG_ASSERT(SlogFirCoefficientsStatic, valid_q != '0 |-> $stable(coef_i))
+  `SLOG_PAST(past_coef, coef_i)
+  `SLOG_ASSERT(SlogFirCoefficientsStatic, valid_q == '0 || coef_i == past_coef)
 endmodule : slog_fir

@@ -160,6 +160,8 @@ module slog_frontend #(
   end
   assign busy_o = busy_q;
 
-  `SLOG_ASSERT(SlogFrontendSettings, $stable({width_i, height_i, g_i, g2_i}) || (!busy_o && $past(hold_i || rst_i)))
-  `SLOG_ASSERT(SlogFrontendDone, frame_done_o |-> word_valid_o)
+  `SLOG_PAST(past_settings, {width_i, height_i, g_i, g2_i})
+  `SLOG_PAST(past_hold, hold_i || rst_i)
+  `SLOG_ASSERT(SlogFrontendSettings, {width_i, height_i, g_i, g2_i} == past_settings || (!busy_o && past_hold))
+  `SLOG_ASSERT(SlogFrontendDone, !frame_done_o || word_valid_o)
 endmodule : slog_frontend

@@ -63,6 +63,6 @@ module slog_taps #(
   );
 
   `SLOG_ASSERT_INIT(SlogTapsWidth, DataW <= 32)
-  `SLOG_ASSERT(SlogTapsConsecutive, valid_i && !last_i |=> valid_i)
-  `SLOG_ASSERT(SlogTapsEnds, first_i || last_i |-> valid_i)
+  `SLOG_ASSERT_NEXT(SlogTapsConsecutive, valid_i && !last_i, valid_i)
+  `SLOG_ASSERT(SlogTapsEnds, !(first_i || last_i) || valid_i)
 endmodule : slog_taps

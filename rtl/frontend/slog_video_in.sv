@@ -350,12 +350,12 @@ module slog_video_in #(
 
   // The counters that follow one clock later need lines of a minimum length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
-  `SLOG_ASSERT(SlogVideoInNoWait, line_q |-> boundary_q)
+  `SLOG_ASSERT(SlogVideoInNoWait, !line_q || boundary_q)
   `SLOG_ASSERT(SlogVideoInBuffers, !(wr_en_q3 && rd_en_q)
                                    || (32'(wr_addr_q3) < MaxWidth) != (32'(rd_addr_q2) < MaxWidth))
   `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
-  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
-  `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
+  `SLOG_ASSERT(SlogVideoInAtEnd, !at_end_q || active_q)
+  `SLOG_ASSERT(SlogVideoInClosed, !closed_q || !active_q)
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&
                                  abort == (out_kill && !starts_q))
   `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q != '0 || abort_q != '0))

@@ -141,6 +141,7 @@ module slog_peak_best
   `SLOG_ASSERT(SlogPeakBestRow, !load || (row_valid_i && refused == refused_next_q))
   `SLOG_ASSERT(SlogPeakBestCopies, open_q == !held_q && stay_q == !hand_q && stale_q == !fresh_q)
   `SLOG_ASSERT_STABLE(SlogPeakBestRowStable, row_valid_i, row_ready_o, row_i)
-  `SLOG_ASSERT(SlogPeakBestOrder, !order_valid_o || ($past(order_room_i) && ($past(room_i) || !order_o.last)))
-  `SLOG_ASSERT(SlogPeakBestOrdersApart, order_valid_o |=> !order_valid_o)
+  `SLOG_PAST(past_room, {order_room_i, room_i})
+  `SLOG_ASSERT(SlogPeakBestOrder, !order_valid_o || (past_room[1] && (past_room[0] || !order_o.last)))
+  `SLOG_ASSERT_NEXT(SlogPeakBestOrdersApart, order_valid_o, !order_valid_o)
 endmodule : slog_peak_best

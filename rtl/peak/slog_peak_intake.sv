@@ -189,7 +189,8 @@ module slog_peak_intake
                                              && near_q == (left_q == 10'd1)))
   `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= area_q)
   `SLOG_ASSERT_INIT(SlogPeakIntakeSizes, ScoreBits <= ScoreW && Banks >= 2)
-  `SLOG_ASSERT(SlogPeakIntakeRowStays, !take_q || $stable({row_first_i, row_last_i, scoring_i}))
-  `SLOG_ASSERT(SlogPeakIntakeRowsApart, row_taken_o |=> !row_taken_o)
+  `SLOG_PAST(past_row, {row_first_i, row_last_i, scoring_i})
+  `SLOG_ASSERT(SlogPeakIntakeRowStays, !take_q || {row_first_i, row_last_i, scoring_i} == past_row)
+  `SLOG_ASSERT_NEXT(SlogPeakIntakeRowsApart, row_taken_o, !row_taken_o)
   `SLOG_ASSERT(SlogPeakIntakeBank, score_valid_o ? $onehot(bank_o) : bank_o == '0)
 endmodule : slog_peak_intake

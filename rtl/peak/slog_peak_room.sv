@@ -44,5 +44,5 @@ module slog_peak_room #(
 
   `SLOG_ASSERT(SlogPeakRoomHeld, held_q <= HeldW'(Depth))
   `SLOG_ASSERT(SlogPeakRoomOffsets, !grant || (row_offsets_i != '0 && 32'(row_offsets_i) <= MaxOffsets))
-  `SLOG_ASSERT(SlogPeakRoomApart, grant |=> !row_ready_o)
+  `SLOG_ASSERT_NEXT(SlogPeakRoomApart, grant, !row_ready_o)
 endmodule : slog_peak_room

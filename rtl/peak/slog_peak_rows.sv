@@ -70,5 +70,5 @@ module slog_peak_rows
   `SLOG_ASSERT(SlogPeakRowsRefused, load_q || refused_q == (row_q.status != StatusOk))
   `SLOG_ASSERT(SlogPeakRowsThere, !row_taken_i || !(load_q || step_q))
   `SLOG_ASSERT(SlogPeakRowsCopies, some_q == !load_q)
-  `SLOG_ASSERT(SlogPeakRowsStay, row_taken_i |=> $stable({row_o, refused_o, scoring_o}))
+  `SLOG_ASSERT_KEPT(SlogPeakRowsStay, row_taken_i, {row_o, refused_o, scoring_o})
 endmodule : slog_peak_rows

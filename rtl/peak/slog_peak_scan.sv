@@ -230,8 +230,9 @@ module slog_peak_scan
 
   `SLOG_ASSERT(SlogPeakScanRoom, !order_valid_i || open_q)
   `SLOG_ASSERT(SlogPeakScanBank, $onehot(bank_q))
-  `SLOG_ASSERT(SlogPeakScanOrder, !order_valid_i || ($past(order_room_o) && !$past(order_valid_i)))
+  `SLOG_PAST(past_order, {order_room_o, order_valid_i})
+  `SLOG_ASSERT(SlogPeakScanOrder, !order_valid_i || (past_order[1] && !past_order[0]))
   `SLOG_ASSERT(SlogPeakScanBest, !order_valid_i || !order_i.fresh || order_i.best_x <= order_i.last_x)
   `SLOG_ASSERT(SlogPeakScanColumn, $onehot0({near_west_o, near_centre_o, near_east_o}))
-  `SLOG_ASSERT(SlogPeakScanFarApart, far_valid_o |=> !far_valid_o)
+  `SLOG_ASSERT_NEXT(SlogPeakScanFarApart, far_valid_o, !far_valid_o)
 endmodule : slog_peak_scan

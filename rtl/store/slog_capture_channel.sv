@@ -179,9 +179,9 @@ module slog_capture_channel #(
   end
 
   `SLOG_ASSERT(SlogCaptureLevel, $onehot(level_q))
-  `SLOG_ASSERT(SlogCaptureRoom, push_q |-> !level_q[Depth])
-  `SLOG_ASSERT(SlogCaptureWaits, pop_i |-> !level_q[0])
-  `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_q)
+  `SLOG_ASSERT(SlogCaptureRoom, !push_q || !level_q[Depth])
+  `SLOG_ASSERT(SlogCaptureWaits, !pop_i || !level_q[0])
+  `SLOG_ASSERT(SlogCaptureNoEarlyWord, !(checking_q || (writing_q && load_q)) || !word_q)
   `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i == (ask_i && !writing_o))
   `SLOG_ASSERT(SlogCaptureStates, $onehot0({wait_q, checking_q, writing_q, finishing_q}))
   `SLOG_ASSERT(SlogCaptureServing, serving_q == (checking_q || writing_q || finishing_q) &&

@@ -122,5 +122,6 @@ module slog_store
   `SLOG_ASSERT(SlogStoreAddress, !rd_valid_i || rd_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
   `SLOG_ASSERT(SlogStoreWriteAddress, !wr_valid_i || wr_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
   `SLOG_ASSERT(SlogStorePeekAddress, !peek_pending_q || peek_addr_q < AddrW'(Words) || Words == 2 ** AddrW)
-  `SLOG_ASSERT(SlogStoreReadNotWrite, wr_valid_i |=> !(rd_valid_i && rd_addr_i == $past(wr_addr_i)))
+  `SLOG_PAST(past_wr_addr, wr_addr_i)
+  `SLOG_ASSERT_NEXT(SlogStoreReadNotWrite, wr_valid_i, !(rd_valid_i && rd_addr_i == past_wr_addr))
 endmodule : slog_store
