@@ -21,9 +21,9 @@ setup(
         "sim": ["py.typed"],
         "sim.rtl": ["*.*", "**/*.*"],
         "sim.board": ["*.[ch]pp"],
-        "sim.lint": ["*.vlt", "verible.*"],
+        "sim.lint": ["verible.*"],
         "sim.registers.gen": ["*.db", "*.h", "*.pyi"],
         "sim.synth": ["*.sv", "floorplans/*.json"],
-        "sim.testbench": ["*.cpp", "tb/*.sv"],
+        "sim.testbench": ["*.cpp", "tb/*.sv", "tb/signs/*.hex"],
     },
 )

@@ -23,7 +23,7 @@ BUILD = (Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sig
 SYNTHESIS = ROOT / "out" / "synth"
 """Netlists and reports of `sim.synth`."""
 TOP = "slog_board"
-WAIVERS = ROOT / "sim" / "lint" / "waive.vlt"
+WAIVERS = RTL / "slog_waive.vlt"
 TESTBENCHES = ROOT / "sim" / "testbench" / "tb"
 CELL_MODELS = ROOT / "sim" / "synth" / "cells.sv"
 """Simulation models of the ECP5 primitives that the wrappers in `rtl/ecp5` instantiate."""
