@@ -12,6 +12,7 @@ from dataclasses import astuple
 
 from cocotb_tests.env.axil import AxilMaster
 from golden.correlate import Job, Neighbours, Result, Status
+from golden.cycle.board import RESET_END
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import Image, kernels
 from golden.params import Config
@@ -21,8 +22,6 @@ from sim.registers.map import address, fields, word
 
 Script = Generator[None, None, None]
 """A scenario or a part of one: yields once per clock."""
-RESET_DELAY = 3
-"""Clocks from `rst_i` to the reset of the blocks."""
 LIMIT = 30_000
 """Longest wait, clocks."""
 
@@ -124,7 +123,7 @@ class Host:
         self.master.reset()
         yield from self.pause(clocks)
         self.rst = 0
-        yield from self.pause(RESET_DELAY)
+        yield from self.pause(RESET_END)
         self.deaf = False
 
     # Registers

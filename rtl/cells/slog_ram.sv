@@ -2,7 +2,8 @@
 //
 // Latency    : rd_data_o holds mem[rd_addr_i] two clocks after rd_en_i (array read, output register).
 // Throughput : one read and one write per clock.
-// Rule       : no address is read in the clock in which it is written.
+// Rule       : the data read from an address in the clock in which it is written are undefined and must not be used. Users
+//              that enable a read only to use it assert this.
 `include "slog_assert.svh"
 module slog_ram #(
     parameter  int unsigned Width = 8,
@@ -28,6 +29,5 @@ module slog_ram #(
     if (fresh_q) read_q2 <= read_q;
   end
   assign rd_data_o = read_q2;
-
-  `SLOG_ASSERT_NO_RESET(SlogRamReadNotWrite, !(wr_en_i && rd_en_i && wr_addr_i == rd_addr_i))
+  `SLOG_ASSERT_INIT(SlogRamDepth, Depth >= 1)
 endmodule : slog_ram

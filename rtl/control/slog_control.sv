@@ -17,6 +17,7 @@ module slog_control
     output axil_rsp_t                      axil_o,
     // front ends
     output logic [Cameras-1:0]             hold_o,
+    output logic [Cameras-1:0]             abort_o,         // pulses: drop the frame that the camera is sending
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
@@ -216,6 +217,7 @@ module slog_control
   );
 
   // Commands
+  assign abort_o          = Cameras'({hwif_out.filter.abort_1.value, hwif_out.filter.abort_0.value});
   assign capture_valid_o  = hwif_out.capture.go.value;
   assign capture_cancel_o = hwif_out.capture.cancel.value;
   assign capture_camera_o = hwif_out.capture.camera.value;
@@ -341,6 +343,7 @@ module slog_control
   `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
   // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 3) && !$past(rst_i) && !$past(rst_i, 2)
+  // A reset discards the requests that the register block has not decoded.
+  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr && !rst_i, 3) && !$past(rst_i) && !$past(rst_i, 2)
                                        |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control

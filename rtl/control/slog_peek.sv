@@ -9,6 +9,8 @@
 // Latency    : go_i to peek_valid_o 5 clocks; ready_o falls 1 clock after go_i, 2 clocks after the take_i of a word's last
 //              32 bits, and rises 2 clocks after peek_done_i; data_o follows it by Chunks + 1 clocks, a take_i by 2.
 // Rule       : address_i is constant for 3 clocks from go_i on.
+// Captures   : a word of a slot that is being written is the old or the new one; if its write leaves for the store in the
+//              clock before its read, it is undefined. Reading advances as always.
 // Formats    : bit 0 is the leftmost pixel; a store word narrower than 32 bits fills the low bits.
 `include "slog_assert.svh"
 module slog_peek #(

@@ -11,6 +11,7 @@
 //   6    border pixel       (5) picked_i of all banks, replace_i
 //   7    window_o
 // Throughput : one column per clock.
+`include "slog_assert.svh"
 module slog_line_bank #(
     parameter  int unsigned MaxWidth = 48,
     parameter  int unsigned Banks    = 2,
@@ -83,4 +84,6 @@ module slog_line_bank #(
   assign oldest_o = lines_q4[0];
   assign picked_o = picked_q5;
   assign window_o = window_q7;
+
+  `SLOG_ASSERT(SlogLineBankReadNotWrite, !(wr_en_q && rd_en_q && wr_addr_q == rd_addr_q))
 endmodule : slog_line_bank

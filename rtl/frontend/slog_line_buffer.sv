@@ -37,7 +37,7 @@ module slog_line_buffer #(
   logic [PosW-1:0]     pos_q2;       // index of the border row among the lines
   logic                reach_q2;     // the border row is among them
   logic [Lines-1:0]    hot_q3;       // one-hot: the border row
-  logic [Radius-1:0]   beyond_q4;    // [d-1]: row d from the output row lies past the border, after a left shift by shift_q4
+  logic [Radius-1:0]   beyond_q4;    // [d-1]: row d from the output row is past the border; not shifted yet
   logic [1:0]          shift_q4;     // remaining shift of beyond_q4
   logic [Radius-1:0]   beyond, old_q5, new_q5;
   logic [7:0]          border, edge_q6;  // as in the banks, for the newest pixel

@@ -19,7 +19,7 @@ module slog_taps_window #(
 
   // The slices lie far apart: data_q delays the values by a clock, in which the load signals reach the slices.
   logic [Radius-2:0] first_q;          // [k]: the value from k + 1 clocks ago is a line's first
-  logic              past_q, past_q2;  // the newest place keeps a line's last value: from the next clock on, in this clock
+  logic              past_q, past_q2;  // the newest place keeps a line's last value: from the next clock on; now
   logic [DataW-1:0]  data_q, newest_q;
 
   always_ff @(posedge clk_i) begin

@@ -69,7 +69,7 @@ module slog_capture_channel #(
   logic came_q, last_q2, push_q;                     // word_q one clock later; the same, and the word is written
   logic [GroupBits-1:0] data_q, data_q2;
   logic load_q, was_valid_q, clear_q, set_q, judge, finish_q, restore, finish, start, held, back;
-  logic [Hops:0] left_q;                             // [n]: finishing, and n clocks ago the last word had left the queue
+  logic [Hops:0] left_q;                             // [n]: finishing, and the queue was empty n clocks ago
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   logic [Depth:0] level_q;                           // words in the queue, one-hot
   logic up, down;

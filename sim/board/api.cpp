@@ -40,6 +40,12 @@ void slog_reset(Board* b) {
   b->driver.start();
 }
 
+// The same after a reset of `clocks` clocks, but the cameras go on sending what was queued for them.
+void slog_restart(Board* b, int clocks) {
+  b->clock.restart(clocks);
+  b->driver.start();
+}
+
 // Queues beats (grey | user << 8 | last << 9) on a camera; they play while other calls run the clock.
 void slog_play(Board* b, int camera, const uint16_t* beats, uint64_t count, uint32_t pause_permille, uint64_t seed) {
   Camera& c = b->clock.cameras[camera];

@@ -46,7 +46,7 @@ class CsrModel:
     def __init__(self, fields: Mapping[str, FieldPlace], stored: Mapping[str, int], cleared: tuple[str, ...],
                  waits: str) -> None:
         self.fields, self.stored, self.cleared = fields, dict(stored), cleared
-        self.pulses = tuple(name for name in fields if name.endswith(".go"))
+        self.pulses = tuple(name for name in fields if name.endswith((".go", ".abort_0", ".abort_1")))
         self.waits = fields[waits].address
         self.by_address: dict[int, list[str]] = {}
         for name, place in fields.items():
