@@ -56,6 +56,7 @@ module tb_signs #(
       .g_i          (slog_g_radius8(Quarters)),
       .g2_i         (slog_g2_radius8(Quarters)),
       .hold_i       (1'b0),
+      .abort_i      (1'b0),
       .busy_o       (unused_busy),
       .word_valid_o (word_valid),
       .word_data_o  (word_data),
