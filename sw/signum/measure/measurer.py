@@ -11,7 +11,7 @@ Pixels are those of the frames given to `view`; x to the right, y down.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,7 +28,9 @@ class Measurement:
     """Displacement of a window from its reference view to another one.
 
     `score` is the matching fraction at the peak (0..1, chance 0.5), `margin` its difference from the best match outside
-    the peak's 3x3 neighbourhood. An invalid measurement has a displacement, too, which is zero where no peak was found.
+    the peak's 3x3 neighbourhood. `above_chance` is by how many standard deviations of a chance score the peak exceeds a
+    chance match: a search that saw nothing but chance reaches 2 to 4, see `golden.correlate.above_chance`; 0 where
+    nothing was searched. An invalid measurement has a displacement, too, which is zero where no peak was found.
     """
 
     dx_px: float
@@ -37,6 +39,7 @@ class Measurement:
     margin: float
     valid: bool
     reason: Reason = Reason.NONE
+    above_chance: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +167,8 @@ class Measurer:
         passed: list[int] = []
         for (i, _), peak in zip(jobs, found, strict=True):
             reason = judge_peak(peak, rules)
-            answers[i] = Measurement(peak.dx, peak.dy, peak.score, peak.margin, reason is Reason.NONE, reason)
+            answers[i] = Measurement(peak.dx, peak.dy, peak.score, peak.margin, reason is Reason.NONE, reason,
+                                     peak.above_chance)
             if answers[i].valid:
                 passed.append(i)
         if rules.texture and passed:
@@ -218,7 +222,7 @@ class Measurer:
         return misses
 
     def _peaks(self, jobs: Sequence[Job], fit: PeakFit) -> list[Peak]:
-        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), fit)
+        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), self.sigma, fit)
 
     def _own_board(self) -> Board:
         """The board, as this measurer configured it."""
@@ -240,7 +244,7 @@ def white_match(distance: float, sigma: float) -> float:
 
 
 def _refuse(m: Measurement, reason: Reason) -> Measurement:
-    return Measurement(m.dx_px, m.dy_px, m.score, m.margin, False, reason)
+    return replace(m, valid=False, reason=reason)
 
 
 def _search(q: Query) -> Job | None:
