@@ -19,7 +19,7 @@ def vectors() -> dict[str, str]:
     rng = np.random.default_rng(1)
     blocks = rng.integers(0, 200, (-(-TINY.max_height // 3), -(-TINY.max_width // 3)))
     frame = np.kron(blocks, np.ones((3, 3), np.int64))[:TINY.max_height, :TINY.max_width]
-    frame = (frame + rng.integers(0, 50, frame.shape)).astype(np.uint8)
+    frame = np.asarray(frame + rng.integers(0, 50, frame.shape), np.uint8)
     plane = sign(frame, SIGMA, TINY.radius)
     words = np.packbits(plane.reshape(-1, TINY.group_bits), axis=1, bitorder="little")
     return {"frame.hex": "".join(f"{' '.join(f'{p:02x}' for p in row)}\n" for row in frame),

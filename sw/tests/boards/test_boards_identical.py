@@ -4,6 +4,7 @@ import random
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 
 import cv2
@@ -146,8 +147,8 @@ def test_captures_between_jobs(others: int) -> None:
             board.submit([Job(0, 4, 4, 16, 16, 2, 0, 0, 33, 21, n) for n in range(others)]
                          + [Job(0, 4, 4, 16, 16, 1, 0, 0, 20, 15, 1000 + n) for n in range(5)])
             messages = []
-            for call in (lambda board=board: board.capture(1, frames[3]),
-                         lambda board=board: board.capture_pair((3, 1), (frames[3], frames[4]))):
+            for call in (partial(board.capture, 1, frames[3]),
+                         partial(board.capture_pair, (3, 1), (frames[3], frames[4]))):
                 with pytest.raises(BoardError) as refused:
                     call()
                 messages.append(str(refused.value))
