@@ -4,6 +4,7 @@ PYTHON     ?= python3
 CONFIG     ?= full
 JOBS       ?= 2
 BOARD      ?= golden
+MINUTES    ?= 10
 VENV       := .venv
 PY         := $(VENV)/bin/python
 PIP        := $(PY) -m pip --disable-pip-version-check --quiet
@@ -40,6 +41,10 @@ reproduce: setup ## Every figure and table of the paper on one page: out/reprodu
 .PHONY: test
 test: setup ## Every test, on two cores (JOBS=n for others): out/junit.xml
 	@$(PY) -m pytest -n $(JOBS) --junit-xml=out/junit.xml
+
+.PHONY: fuzz
+fuzz: setup ## Damaged inputs of every kind through the commands, counted by outcome: out/fuzz/failures (MINUTES=10; SEED=n repeats)
+	@PYTHONPATH=sw $(PY) -m tests.fuzz --minutes $(MINUTES) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests

@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-from golden.log import sign
+from golden.log import Image, sign
 from golden.params import TINY
 from sim.toolchain import ROOT, TESTBENCHES
 
@@ -19,10 +19,10 @@ def vectors() -> dict[str, str]:
     rng = np.random.default_rng(1)
     blocks = rng.integers(0, 200, (-(-TINY.max_height // 3), -(-TINY.max_width // 3)))
     frame = np.kron(blocks, np.ones((3, 3), np.int64))[:TINY.max_height, :TINY.max_width]
-    frame = np.asarray(frame + rng.integers(0, 50, frame.shape), np.uint8)
-    plane = sign(frame, SIGMA, TINY.radius)
+    image: Image = np.asarray(frame + rng.integers(0, 50, frame.shape), np.uint8)
+    plane = sign(image, SIGMA, TINY.radius)
     words = np.packbits(plane.reshape(-1, TINY.group_bits), axis=1, bitorder="little")
-    return {"frame.hex": "".join(f"{' '.join(f'{p:02x}' for p in row)}\n" for row in frame),
+    return {"frame.hex": "".join(f"{' '.join(f'{p:02x}' for p in row)}\n" for row in image),
             "signs.hex": "".join(f"{' '.join(f'{w:02x}' for w in row)}\n"
                                  for row in words.reshape(TINY.max_height, -1))}
 

@@ -41,6 +41,9 @@ SecondsOption = Annotated[float | None, typer.Option(
     "--seconds", min=1.0, show_default="60; a source's whole length", help="Length of the run.")]
 SeedOption = Annotated[int, typer.Option("--seed", rich_help_panel=SIMULATION, min=0,
                                          help="Seed of all that is random in the simulated world.")]
+MegapixelsOption = Annotated[float, typer.Option(
+    "--megapixels", rich_help_panel=SOURCE, min=0.001, max=1e6,
+    help="Largest picture that is decoded, millions of pixels; its size is checked before.")]
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from signum.common.checks import check_file
 from signum.common.errors import SourceError, lacking
 from signum.frames.frame import Source
 from signum.sources.files import (
@@ -61,8 +62,7 @@ def _open(text: str | Path) -> Source:
         if camera:
             return CameraSource(int(camera[1]))
         raise SourceError(f"{path}: no such file or folder; check the spelling (in {Path.cwd()})")
-    if not path.stat().st_size:
-        raise SourceError(f"{path}: the file is empty; copy or record it again")
+    check_file(path, "video, picture, array or bag", SourceError)
     kind = path.suffix.lower()
     if kind in PICTURES:
         return PictureSource(path)

@@ -94,6 +94,9 @@ def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
         if better == onto:
             break
         onto = better
+    if not 1e-9 < onto.scale < 1e9:
+        raise SignumError("the navigation log and the mosaic have no scale in common: the frames lie at one place in "
+                          "one of them; expected fixes that are apart")
     off = np.abs(onto.factor * z + onto.shift - w)[good]
     return Georeference(onto, "navigation log, metres", epsg, float(np.sqrt(np.mean(off**2))))
 

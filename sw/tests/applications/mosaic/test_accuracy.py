@@ -69,7 +69,7 @@ def test_tracks_are_read_and_bad_ones_named(tmp_path: Path) -> None:
     runs = "frame,path,E_centre_m,N_centre_m\n1,x/test1/1.tif,1,1\n1,x/test5/1.tif,9,9\n"
     assert read_track(write(runs), "data/test5").positions == {"1": 9 - 9j}
     for text, says in (("frame,x\n1,2\n", "no column for metres to the north"), ("a,b\n1,2\n", "the frame's name"),
-                       ("frame,x,y\n1,2,3\n1,2,3\n", "listed twice"), ("frame,x,y\n1,two,3\n", "plain numbers"),
+                       ("frame,x,y\n1,2,3\n1,2,3\n", "listed twice"), ("frame,x,y\n1,two,3\n", "expected a number"),
                        ("frame,x,y\n", "no rows")):
         with pytest.raises(SignumError, match=says):
             read_track(write(text))
