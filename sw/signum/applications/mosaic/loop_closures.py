@@ -97,9 +97,8 @@ class Loops:
         slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
         reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
         near = reach <= self._settings.farthest
-        first, second = self._ledger.prepared(a), self._ledger.prepared(b)
-        result = self._registrar.register(first, second, predicted if near else None,
-                                          max(reach, self._registrar.limits.reach) if near else None)
+        result = self._ledger.register(a, b, predicted if near else None,
+                                       max(reach, self._registrar.limits.reach) if near else None)
         reason = ""
         if result.accepted:
             point = np.array(result.middle)
@@ -127,7 +126,7 @@ class Loops:
             tried.add(other)
             if (other, name) in self.tried:
                 continue
-            result = self._registrar.register(self._ledger.prepared(other), self._ledger.prepared(name))
+            result = self._ledger.register(other, name)
             self.tried[other, name] = IDENTITY
             if result.accepted and result.agreed >= max(self._settings.share * result.tried, self._settings.agreed):
                 self._doubtful.append(Edge.of(other, name, JOIN, self._centre, result))
