@@ -87,7 +87,7 @@ def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
             marks.append(count)
             next_mark += EVERY_S
 
-    if moment is not None or act is None and request.get("limit") is None:
+    if moment is not None or (act is None and request.get("limit") is None):
         sys.setprofile(tick)
     try:
         app(arguments, standalone_mode=True)
