@@ -61,9 +61,8 @@ core: $(VENV)/.installed ## FuseSoC runs the targets of signum.core: lint, and a
 	@$(PY) -m sim.lint.core
 
 .PHONY: docs
-docs: $(VENV)/.installed ## The documentation: out/site/index.html
-	@if test -f mkdocs.yml; then $(PY) -m mkdocs build --quiet --strict --site-dir out/site; \
-	else echo "signum: no mkdocs.yml, nothing to build"; fi
+docs: $(VENV)/.installed ## The documentation as a site: out/site/index.html; every warning is an error
+	@NO_MKDOCS_2_WARNING=1 $(PY) -m mkdocs build --strict --quiet
 
 .PHONY: synth
 synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
