@@ -13,7 +13,7 @@ from cocotb_tests.env.check import check_cycles
 from golden.cycle.control.control import ControlModel
 from golden.cycle.model import Inputs, Stimulus
 from golden.params import CONFIGS, Config
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.registers.map import fields
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -88,14 +88,14 @@ def _traffic(rng: random.Random, model: ControlModel, seen: Counter[str], ahead:
     peek_address, peek_data = fields()["peek_address.word"].address, fields()["peek_data.value"].address
     aw, w, ar = (Channel(rng) for _ in range(3))
     channels = {"aw": aw, "w": w, "ar": ar}
-    ready = {n: willing("none", rng) for n in ("b", "r")}
+    ready = {n: ready_pattern("none", rng) for n in ("b", "r")}
     peek: list[int] = []  # clocks until the store answers
     held: Inputs = {}
     taken = Counter[str]()  # addresses and data accepted since the reset, which pair up to writes
     last_taken = {"aw": -2, "w": -2, "ar": -2}
     for t in range(CLOCKS):
         if t % 400 == 0:
-            ready = {n: willing(rng.choice(SHAPES[:3]), rng) for n in ready}
+            ready = {n: ready_pattern(rng.choice(SHAPES[:3]), rng) for n in ready}
         if len(aw.queue) < ahead and len(w.queue) < ahead:
             address, payload = _write(rng, c, commands)
             for _ in range(1 + (address & 0xFC == peek_address and rng.random() < 0.7)):
@@ -110,7 +110,7 @@ def _traffic(rng: random.Random, model: ControlModel, seen: Counter[str], ahead:
         # The store takes a peek late, by preference in the clock in which the host changes the address; a reset meets a
         # read of peek_data that is just leaving for the register block.
         peek_ready = int(not peek and not done and rng.random() < (0.7 if model.peek.go else 0.07))
-        request = model.csr.request
+        request = model.csr.axil.request
         peeks = request is not None and not request.is_write and request.address == peek_data
         rst = int(resets and (t % RESET_EVERY == RESET_EVERY - 1 or (peeks and rng.random() < 0.2)))
         offers = {n: channel.offer() for n, channel in channels.items()}
@@ -124,7 +124,7 @@ def _traffic(rng: random.Random, model: ControlModel, seen: Counter[str], ahead:
              "result_valid_i": rng.getrandbits(1), "score_i": rng.getrandbits(1), "peek_ready_i": peek_ready,
              "peek_done_i": int(done), "peek_data_i": rng.getrandbits(c.group_bits)}
         seen["new address as its peek is taken"] += model.peek.go and model.peek.valid and bool(peek_ready)
-        begun = model.csr.begun is not None
+        begun = model.csr.axil.begun is not None
         out = yield i
         if peek_ready and out["peek_valid_o"]:
             peek = [rng.randrange(6)]

@@ -16,7 +16,7 @@ from golden.cycle.board import RESET_END
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import Image, kernels
 from golden.params import Config
-from golden.traffic.stalls import willing
+from golden.traffic.stalls import ready_pattern
 from golden.traffic.video import Beat, good
 from sim.registers.map import address, fields, word
 
@@ -40,9 +40,9 @@ class Host:
     def __init__(self, config: Config, rng: random.Random, video: str = "none", sink: str = "none",
                  bus: str = "none") -> None:
         self.config, self.rng = config, rng
-        self.master = AxilMaster(willing(bus, rng))
-        self.offer = [willing(video, rng) for _ in range(config.cameras)]
-        self.take: Iterator[int] = willing(sink, rng)
+        self.master = AxilMaster(ready_pattern(bus, rng))
+        self.offer = [ready_pattern(video, rng) for _ in range(config.cameras)]
+        self.take: Iterator[int] = ready_pattern(sink, rng)
         self.beats: list[deque[Beat]] = [deque() for _ in range(config.cameras)]
         self.held = [False] * config.cameras
         self.surface: list[tuple[int, int, int]] = []

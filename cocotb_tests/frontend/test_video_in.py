@@ -9,7 +9,7 @@ from cocotb_tests.env.params import params
 from golden.cycle.frontend.video_in import VideoInModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from golden.traffic.video import BAD_KINDS, Beat, bad, good, play, stray, texture
 from sim.testbench.runner import simulate
 
@@ -32,10 +32,10 @@ async def every_clock(dut, source: str, held: bool) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
-    hold = willing("long", rng) if held else None
+    hold = ready_pattern("long", rng) if held else None
     settings = {"width_i": WIDTH, "height_i": HEIGHT}
     await check_cycles(dut, VideoInModel(params()["Radius"]),
-                       play(items, settings, willing(source, rng), rng, gap=40, hold=hold), count)
+                       play(items, settings, ready_pattern(source, rng), rng, gap=40, hold=hold), count)
     if not held:  # under hold, surplus lines wait until the frame before has left
         assert counts["accepted_o"] == sum(i.good is not None for i in items)
     assert counts["dropped_o"] == sum(i.drops for i in items)
@@ -53,7 +53,7 @@ async def reset_in_mid_frame(dut) -> None:
     def stimulus() -> Stimulus:
         for _ in range(8):
             items = [good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)]
-            run = play(items, settings, willing("random", rng), rng)
+            run = play(items, settings, ready_pattern("random", rng), rng)
             i = next(run)
             try:
                 for _ in range(rng.randint(1, 5 * frame)):
@@ -61,7 +61,8 @@ async def reset_in_mid_frame(dut) -> None:
             except StopIteration:
                 pass
             yield {**settings, "rst_i": 1, "tvalid_i": 1, "tdata_i": 3, "tuser_i": rng.getrandbits(1)}
-        yield from play([good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)], settings, willing("none", rng), rng)
+        frames = [good(texture(rng, WIDTH, HEIGHT)) for _ in range(3)]
+        yield from play(frames, settings, ready_pattern("none", rng), rng)
 
     def count(i: Inputs, out: Outputs) -> None:
         nonlocal done
@@ -82,7 +83,7 @@ async def resets_around_first_output_row(dut, clocks: int) -> None:
 
     def stimulus() -> Stimulus:
         for moment in range(first_row - 6, first_row + WIDTH + 12):
-            run = play([good(texture(rng, WIDTH, HEIGHT))], settings, willing("none", rng), rng)
+            run = play([good(texture(rng, WIDTH, HEIGHT))], settings, ready_pattern("none", rng), rng)
             i = next(run)
             for _ in range(moment):
                 i = run.send((yield i))
@@ -91,7 +92,7 @@ async def resets_around_first_output_row(dut, clocks: int) -> None:
             for _ in range(8):
                 out = yield settings
                 assert not out["busy_o"] and not out["px_valid_o"]
-        yield from play([good(texture(rng, WIDTH, HEIGHT))], settings, willing("none", rng), rng)
+        yield from play([good(texture(rng, WIDTH, HEIGHT))], settings, ready_pattern("none", rng), rng)
 
     def count(i: Inputs, out: Outputs) -> None:
         nonlocal done
@@ -119,7 +120,7 @@ async def cut_by_frames_of_one_beat(dut, frames: int) -> None:
             counts[name] += out[name] or 0
 
     await check_cycles(dut, VideoInModel(params()["Radius"]),
-                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, willing("none", rng), rng), count)
+                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern("none", rng), rng), count)
     assert counts == {"dropped_o": 4 * (1 + frames), "px_done_o": sum(i.good is not None for i in items)}
 
 
@@ -143,7 +144,7 @@ async def aborts_at_any_time(dut, source: str) -> None:
 
     aborts = (int(rng.random() < (0.003 if source == "none" else 0.002)) for _ in iter(int, 1))
     await check_cycles(dut, VideoInModel(params()["Radius"]),
-                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, willing(source, rng), rng, gap=40,
+                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern(source, rng), rng, gap=40,
                             abort=aborts), count)
     assert in_frames >= 6 and counts["px_abort_o"] >= 2
     assert counts["dropped_o"] > sum(i.drops for i in items)
@@ -179,7 +180,7 @@ async def abort_of_a_frame_that_never_ends(dut) -> None:
                 out = yield {**settings, "hold_i": 1}
             assert not out["busy_o"], f"busy after the abort of a frame of {stop} beats"
             yield from send(beats[stop:])
-            yield from play([good(texture(rng, WIDTH, HEIGHT))], settings, willing("none", rng), rng)
+            yield from play([good(texture(rng, WIDTH, HEIGHT))], settings, ready_pattern("none", rng), rng)
 
     def count(i: Inputs, out: Outputs) -> None:
         nonlocal dropped, done
@@ -208,7 +209,7 @@ async def latency(dut) -> None:
 
     items = [good(texture(rng, WIDTH, HEIGHT))]
     await check_cycles(dut, VideoInModel(params()["Radius"]),
-                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, willing("none", rng), rng), watch)
+                       play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern("none", rng), rng), watch)
     assert len(last_in) == HEIGHT
     assert [b - a for a, b in zip(last_in, first_out, strict=True)] == [VideoInModel.LATENCY] * HEIGHT
 

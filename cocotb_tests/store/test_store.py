@@ -8,7 +8,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY, StoreModel
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 CLOCKS = 1500
@@ -18,7 +18,7 @@ def _accesses(rng: random.Random, words: int, width: int, reads: str, peeks: str
     """Writes, reads and peeks at hot addresses and at bank edges; no read of what was written in the clock before, but
     peeks of it."""
     hot = [0, words - 1, *rng.sample(range(words), 12), *(k for k in range(511, words, 512)), *range(512, words, 512)]
-    read, peek = willing(reads, rng), willing(peeks, rng)
+    read, peek = ready_pattern(reads, rng), ready_pattern(peeks, rng)
     peeked: int | None = None
     pending: int | None = None
     written: int | None = None

@@ -1,6 +1,6 @@
 """Cycle model of `slog_board`, composed of the models of its blocks.
 
-Within a clock every signal between blocks comes from a register; an input from a block stepped later is read from the
+Within a clock every signal between blocks is a register's output; an input from a block stepped later is read from the
 state of that block's model.
 """
 

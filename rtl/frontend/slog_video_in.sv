@@ -84,8 +84,8 @@ module slog_video_in #(
   assign tready_o = !stop_q && !(hold_i && !active_q);
   assign come     = tvalid_i && !stop_q;  // a beat, unless hold_i blocks it
   assign beat     = come && !(hold_i && outside_q);
-  assign kill     = stop_q ? active_q
-                    : tvalid_i && ((active_q && (tuser_i || (tlast_i != at_end_q))) || (closed_q && !tuser_i && !hold_i));
+  assign kill     = stop_q ? active_q : tvalid_i && ((active_q && (tuser_i || (tlast_i != at_end_q)))
+                                                     || (closed_q && !tuser_i && !hold_i));
   assign good_end = come && at_end_q && !tuser_i && tlast_i;
   assign active   = !stop_q && (tuser_i ? !tlast_i && !(hold_i && outside_q)
                                 : active_q && tlast_i == at_end_q && !(at_end_q && last_row_q));
@@ -122,7 +122,8 @@ module slog_video_in #(
 
   // ---- Writer: one clock behind the beats. Its counts are not needed before a line's next to last pixel.
   logic [9:0]       left_q, wr_row_q;  // remaining pixels of the line after the next one
-  logic             end_0_q, end_1_q;  // the next pixel is the last but one: if none, if one is written in this clock
+  logic             end_0_q;           // if no pixel is written in this clock, the next one is the last but one of its line
+  logic             end_1_q;           // if a pixel is written in this clock, the one after it is
   logic             near_end, first_row_q, wr_en_q, wr_en_q2, wr_en_q3;
   logic             wr_line_q;                // buffer of the line being received
   logic [7:0]       wr_data_q, wr_data_q2, wr_data_q3;
@@ -178,7 +179,9 @@ module slog_video_in #(
   logic [AddrW-1:0] rd_addr_q;
   logic             rd_line_q;                         // buffer of the line in line_q
   logic             rd_active_q, rd_current_q, rd_current, mid_frame_q, rd_first_q, next_last_q;
-  logic             lined_q, started_q, starts_q;      // began: a line, a received line, a frame's first output row
+  logic             lined_q;                           // a line, real or filler, has begun
+  logic             started_q;                         // a received line has begun
+  logic             starts_q;                          // a frame's first output row has begun
   logic             head_first_q, head_current_q, head_last_q;
   logic             row_is_last_q, row_is_out_q, out_done_q, out_bottom_q, out_far_q;
   logic             out_active_q, out_current_q, out_active, out_current;
@@ -347,12 +350,12 @@ module slog_video_in #(
 
   // The counters that follow one clock later need lines of a minimum length.
   `SLOG_ASSERT_INIT(SlogVideoInRadius, Radius >= 2)
-  `SLOG_ASSERT(SlogVideoInNoWait, line_q |-> boundary_q)
+  `SLOG_ASSERT(SlogVideoInNoWait, !line_q || boundary_q)
   `SLOG_ASSERT(SlogVideoInBuffers, !(wr_en_q3 && rd_en_q)
                                    || (32'(wr_addr_q3) < MaxWidth) != (32'(rd_addr_q2) < MaxWidth))
   `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
-  `SLOG_ASSERT(SlogVideoInAtEnd, at_end_q |-> active_q)
-  `SLOG_ASSERT(SlogVideoInClosed, closed_q |-> !active_q)
+  `SLOG_ASSERT(SlogVideoInAtEnd, !at_end_q || active_q)
+  `SLOG_ASSERT(SlogVideoInClosed, !closed_q || !active_q)
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&
                                  abort == (out_kill && !starts_q))
   `SLOG_ASSERT(SlogVideoInUnderWay, under_way_q == (valid_q != '0 || abort_q != '0))

@@ -34,7 +34,7 @@ void slog_tick(Board* b, uint64_t clocks) {
   for (uint64_t k = 0; k < clocks; ++k) b->clock.tick();
 }
 
-// Everything that was queued is forgotten, by the driver too.
+// Resets the board and clears the host-side queues.
 void slog_reset(Board* b) {
   b->clock.reset();
   b->driver.start();

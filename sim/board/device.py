@@ -72,7 +72,7 @@ class Device(RegisterDriver):
         self._lib.slog_tick(self._board, clocks)
 
     def reset(self) -> None:
-        """Reset the board and forget all that is queued. Slots become invalid; coefficients 0; size the largest."""
+        """Reset the board and clear its queues. Slots become invalid; coefficients 0; size the largest."""
         self._lib.slog_reset(self._board)
         self.size = (self.config.max_width, self.config.max_height)
         self._check("reset")

@@ -26,7 +26,7 @@ EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
 
 
 class ControlModel:
-    """Every output comes from registers, so `outputs` needs no inputs.
+    """Every output is a register, so `outputs` needs no inputs.
 
     Args:
         config: the build.

@@ -1,4 +1,4 @@
-"""The Board interface: the one door through which measurements reach a sign-of-LoG board.
+"""The abstract class every back end implements; all measurements use it.
 
 A back end (golden model, Verilated RTL, later a real board) implements the underscored methods of `Board`; given the
 same calls, every back end returns the same bits. What a caller hands over is checked here, before it reaches a back

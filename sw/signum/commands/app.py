@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import inspect
+import os
+import tempfile
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, get_type_hints
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
 from signum.boards.board import BoardError
-from signum.common.console import notes
+from signum.commands.options import MegapixelsOption
+from signum.common.checks import MEGAPIXELS, megapixels, option
+from signum.common.console import notes, out
 from signum.common.errors import SignumError
+from signum.common.version import VERSION
 
 LONGEST = 500
 """Characters of an error line; the rest, such as a tool's whole output, is cut off."""
+LOG = "signum-error.log"
+"""File in the output folder that an unexpected error leaves."""
+RAISE = "SIGNUM_RAISE"
+"""Environment variable with which an unexpected error is raised, so that tests and `make fuzz` see it."""
+OUTPUT = "output"
+"""The parameter that holds a command's output folder."""
 
 app = typer.Typer(
     name="signum", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
@@ -23,8 +37,15 @@ app = typer.Typer(
     help="Sign-of-LoG vision for underwater robots: filters, tracks and builds mosaics on a simulated board.")
 
 
+def _print_version(asked: bool) -> None:
+    if asked:
+        out.print(f"signum {VERSION}", highlight=False)
+        raise typer.Exit
+
+
 @app.callback()
-def _signum() -> None:
+def _signum(version: Annotated[bool, typer.Option(
+        "--version", is_eager=True, callback=_print_version, help="Print the version and end.")] = False) -> None:
     """Only with a callback does Typer require a command's name where a single command is loaded."""
 
 
@@ -33,12 +54,42 @@ def command(name: str | None = None) -> Callable[[Callable[..., None]], Callable
 
     A parameter whose type is a dataclass is a group of options: each of its fields is an option of the command line,
     and the function gets them as one object. A group's default is an object, whose values are the options' defaults.
-    Errors the user can mend are one line and status 1; an interrupt is status 130.
+    Every command has `--megapixels`. Errors the user can mend are one line and status 1; an interrupt is status 130;
+    anything else is one line, status 1 and a log file.
     """
     def add(function: Callable[..., None]) -> Callable[..., None]:
-        app.command(name)(_guarded(_ungrouped(function)))
+        app.command(name)(_guarded(_checked(_ungrouped(function))))
         return function
     return add
+
+
+def _checked(function: Callable[..., None]) -> Callable[..., None]:
+    """The function with every value of the command line checked, and the limit of a picture's size as an option."""
+    signature = inspect.signature(function)
+    limit = inspect.Parameter("largest", inspect.Parameter.KEYWORD_ONLY, default=MEGAPIXELS,
+                              annotation=MegapixelsOption)
+
+    @functools.wraps(function)
+    def run(largest: float = MEGAPIXELS, **values: object) -> None:
+        for name, value in values.items():
+            option(value, _shown(signature.parameters[name]))
+        if OUTPUT in values and not str(values[OUTPUT]).isprintable():
+            raise SignumError(f"--out {values[OUTPUT]}: expected a folder's name in UTF-8 without control characters")
+        with megapixels(largest):
+            function(**values)
+
+    run.__signature__ = signature.replace(  # type: ignore[attr-defined]
+        parameters=[*signature.parameters.values(), limit])
+    run.__annotations__ = function.__annotations__ | {"largest": MegapixelsOption}
+    return run
+
+
+def _shown(parameter: inspect.Parameter) -> str:
+    """A parameter as the command line names it."""
+    for about in getattr(parameter.annotation, "__metadata__", ()):
+        for name in getattr(about, "param_decls", None) or ():
+            return str(name).partition("/")[0]
+    return parameter.name.upper()
 
 
 def _ungrouped(function: Callable[..., None]) -> Callable[..., None]:
@@ -84,17 +135,61 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
             function(**values)
         except (SignumError, BoardError) as error:
             _fail(str(error))
+        except BrokenPipeError:
+            raise
         except (FileExistsError, NotADirectoryError) as error:
             _fail(f"{error.filename} is a file: choose another folder with --out")
         except OSError as error:
-            _fail(f"{error.filename or 'file'}: {error.strerror or error}; mend that, or choose another --out")
+            name = error.filename if error.filename is not None else _written_by(error) or values.get(OUTPUT, "file")
+            _fail(f"{os.fsdecode(name) if isinstance(name, bytes) else name}: {_reason(error)}; mend that, or choose "
+                  "another --out")
         except KeyboardInterrupt:
             notes.print("signum: stopped; what was finished is kept")
             raise typer.Exit(130) from None
+        except typer.Exit:
+            raise
+        except Exception as error:
+            if os.environ.get(RAISE):
+                raise
+            _fail(_unexpected(error, function.__name__, values))
     return run
+
+
+def _reason(error: OSError) -> str:
+    """What the system says of an error; which of the user's limits it is, where that is known."""
+    known = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up",
+             errno.EFBIG: "the file is larger than this process may write"}
+    return known.get(error.errno or 0, error.strerror or str(error))
+
+
+def _written_by(error: OSError) -> str | None:
+    """The name of the file that a failing write is for, which the error does not carry: from the object that wrote."""
+    name = None
+    for frame, _ in traceback.walk_tb(error.__traceback__):
+        for holder in ("path", "file", "self"):
+            value = frame.f_locals.get(holder)
+            value = getattr(value, "path", None) if holder == "self" else value
+            name = str(value) if isinstance(value, Path) else name
+    return name
+
+
+def _unexpected(error: Exception, command: str, values: Mapping[str, object]) -> str:
+    """Write the log of an unexpected error beside the output; returns the line for the user."""
+    given = "".join(f"  {name}: {value}\n" for name, value in sorted(values.items()))
+    text = f"signum {command}\n{given}\n{''.join(traceback.format_exception(error))}"
+    line = f"unexpected {type(error).__name__} in `signum {command}` ({error})"
+    output = values.get(OUTPUT)
+    for folder in (output if isinstance(output, Path) else Path(), Path(tempfile.gettempdir())):
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / LOG).write_text(text, encoding="utf-8", errors="backslashreplace")
+        except (OSError, ValueError):
+            continue
+        return f"{folder / LOG}: {line}: please report it with this file"
+    return f"{line}; no log could be written"
 
 
 def _fail(message: str) -> None:
     line = " ".join(message.split())
-    notes.print(f"signum: {line if len(line) <= LONGEST else line[:LONGEST] + ' ...'}", markup=False)
+    notes.print(f"signum: {line if len(line) <= LONGEST else line[:LONGEST] + ' ...'}")
     raise typer.Exit(1)

@@ -16,14 +16,14 @@ SOURCE, BOARD, OUTPUT, SIMULATION = "Source", "Board", "Output", "Simulation"
 
 
 class BoardName(StrEnum):
-    """`boards.BOARDS`, as a choice."""
+    """The boards of `boards.BOARDS`, for the choice on the command line."""
 
     golden = "golden"
     verilated = "verilated"
 
 
 SourceArgument = Annotated[str, typer.Argument(
-    help="Video, folder of pictures, ROS bag, .npy array or camera number.", show_default=False)]
+    help="Video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.", show_default=False)]
 CalibrationOption = Annotated[Path | None, typer.Option(
     "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, "
     "image_width, image_height): lens distortion is taken out of every frame.")]
@@ -41,6 +41,9 @@ SecondsOption = Annotated[float | None, typer.Option(
     "--seconds", min=1.0, show_default="60; a source's whole length", help="Length of the run.")]
 SeedOption = Annotated[int, typer.Option("--seed", rich_help_panel=SIMULATION, min=0,
                                          help="Seed of all that is random in the simulated world.")]
+MegapixelsOption = Annotated[float, typer.Option(
+    "--megapixels", rich_help_panel=SOURCE, min=0.001, max=1e6,
+    help="Largest picture that is decoded, millions of pixels; its size is checked before.")]
 
 
 @dataclass(frozen=True)

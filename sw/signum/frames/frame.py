@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import struct
+import warnings
+import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,13 +13,18 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import tifffile
+from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import UnidentifiedImageError
 
 from signum.common.arrays import Image
+from signum.common.checks import check_pixels, printable, read_bytes
 from signum.common.errors import SourceError
 
-PilImage.MAX_IMAGE_PIXELS = None  # a large mosaic is no attack
+PilImage.MAX_IMAGE_PIXELS = None  # `check_pixels` has a limit of its own
+PNG = b"\x89PNG\r\n\x1a\n"
+TIFF = b"II", b"MM"
 # A user gets one line for a picture that cannot be read; OpenCV's own warnings, of odd TIFF tags, would hide it.
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
 
@@ -49,7 +58,7 @@ class Source(ABC):
     """Whether frames are single pictures, far apart, rather than a stream with little motion from one to the next."""
 
     def __init__(self, label: str, count: int | None) -> None:
-        self.label = label
+        self.label = printable(label)
         """The source's name in messages."""
         self.count = count
         """Number of frames; None if it is not known beforehand."""
@@ -66,6 +75,7 @@ class Source(ABC):
         first: Frame | None = None
         for frame in self._frames():
             first = first or frame
+            check_pixels(*frame.size, f"{self.label}: frame {frame.name}", SourceError)
             if frame.size != first.size:
                 raise SourceError(
                     f"{self.label}: frame {frame.name} is {size_text(frame.size)}, frame {first.name} is "
@@ -85,20 +95,9 @@ def read_picture(file: Path) -> Image:
     """Read an 8-bit picture, grey or colour.
 
     Raises:
-        SourceError: if it is missing, broken, cut short, or not 8-bit.
+        SourceError: if it is missing, no file, broken, cut short, larger than the limit, or not 8-bit.
     """
-    if not file.exists():
-        raise SourceError(f"{file}: no such file; check the spelling")
-    try:  # of a file cut short, OpenCV returns the part it could decode; Pillow raises
-        with PilImage.open(file) as check:
-            check.load()
-    except UnidentifiedImageError:
-        pass
-    except (OSError, SyntaxError) as error:
-        raise SourceError(f"{file}: broken or cut short; copy it again or take it out") from error
-    raw = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
-    if raw is None:
-        raise SourceError(f"{file}: cannot be read: not a picture, or broken; copy it again or take it out")
+    raw = read_any_picture(file)
     if raw.dtype != np.uint8:
         bits = 8 * raw.dtype.itemsize
         raise SourceError(f"{file}: a {bits}-bit picture; signum takes 8-bit grey or colour: "
@@ -108,6 +107,79 @@ def read_picture(file: Path) -> Image:
     elif raw.ndim == 3 and raw.shape[2] != 3:
         raw = raw[:, :, 0]
     return np.ascontiguousarray(raw, np.uint8)
+
+
+def read_any_picture(file: Path) -> NDArray[np.generic]:
+    """Read a picture of any depth, (H, W) or (H, W, channels).
+
+    Raises:
+        SourceError: if it is missing, no file, broken, cut short, or larger than the limit.
+    """
+    return decode_picture(read_bytes(file, "picture", SourceError), str(file))
+
+
+def decode_picture(data: bytes, label: str) -> NDArray[np.generic]:
+    """Decode a picture of any depth, (H, W) or (H, W, channels); its size is checked before, and the checksums of a
+    PNG.
+
+    Args:
+        data: the file's bytes.
+        label: the picture's name in messages.
+
+    Raises:
+        SourceError: if it is broken, cut short, or larger than the limit.
+    """
+    broken = f"{label}: broken or cut short; copy it again or take it out"
+    try:
+        if not _whole(data, label):
+            raise SourceError(broken)
+        raw = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except SourceError:
+        raise
+    except Exception as error:  # a broken file makes its reader raise errors of any type
+        raise SourceError(broken) from error
+    if raw is None:
+        raise SourceError(f"{label}: cannot be read: not a picture, or broken; copy it again or take it out")
+    return np.asarray(raw)
+
+
+def _whole(data: bytes, label: str) -> bool:
+    """Whether a picture is complete: OpenCV returns of one cut short the part it could decode, Pillow raises.
+
+    Raises:
+        Exception: of any type, if it is broken.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of odd tags
+        try:
+            with PilImage.open(io.BytesIO(data)) as picture:
+                check_pixels(*picture.size, label, SourceError)
+                if picture.format == "PNG" and not _checksums_agree(data):
+                    return False
+                picture.load()
+        except UnidentifiedImageError:
+            # Pillow does not read TIFF of 16-bit colour; of anything else the size is not known.
+            if data[:2] not in TIFF:
+                raise SourceError(f"{label}: cannot be read: not a picture, or broken; copy it again or take it out"
+                                  ) from None
+            with tifffile.TiffFile(io.BytesIO(data)) as pages:
+                page = pages.pages.first
+                check_pixels(page.imagewidth, page.imagelength, label, SourceError)
+    return True
+
+
+def _checksums_agree(data: bytes) -> bool:
+    """Whether every chunk of a PNG has its CRC-32, and the last one is there."""
+    at = len(PNG)
+    while at + 12 <= len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        end = at + 8 + length
+        if end + 4 > len(data) or zlib.crc32(data[at + 4:end]) != int.from_bytes(data[end:end + 4], "big"):
+            return False
+        if kind == b"IEND":
+            return True
+        at = end + 4
+    return False
 
 
 def size_text(size: tuple[int, int]) -> str:

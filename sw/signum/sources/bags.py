@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,10 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from signum.common.arrays import Image
+from signum.common.checks import TEXT_BYTES, check_file, check_pixels
 from signum.common.errors import SourceError
-from signum.frames.frame import Frame, Source
+from signum.frames.frame import Frame, Source, decode_picture
+from signum.sources.checksums import verify_mcap
 
 RAW, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 DIRECT = {"mono8": 1, "8UC1": 1, "bgr8": 3, "8UC3": 3, "rgb8": 3, "bgra8": 4, "rgba8": 4}
@@ -60,23 +63,33 @@ class BagSource(Source):
         with _opened(self.path) as reader:
             chosen = [c for c in reader.connections if c.topic == self.topic]
             messages = reader.messages(connections=chosen)
-            for index in range(self.count or 0):
+            for index in count():
                 try:
                     connection, _, data = next(messages)
                     message: Any = reader.deserialize(data, connection.msgtype)
                 except StopIteration:
-                    return
+                    break
                 except Exception as error:  # a damaged bag makes its reader raise errors of any type
                     raise SourceError(f"{self.label}: broken at frame {index} ({error}); what came before is kept; "
                                       "mend it with `rosbag reindex` or `ros2 bag reindex`") from error
                 label = f"{self.label}: frame {index}"
                 yield Frame(str(index), _compressed(message, label) if connection.msgtype == COMPRESSED
                             else _raw(message, label))
+            if index != self.count:
+                raise SourceError(f"{self.label}: the bag lists {self.count} frames, {index} could be read; what was "
+                                  "read is kept; mend it with `rosbag reindex` or `ros2 bag reindex`")
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[AnyReader]:
-    reader = None
+    parts = [path]
+    if path.is_dir():
+        check_file(path / "metadata.yaml", "bag's metadata", SourceError, TEXT_BYTES)
+        parts = [part for part in sorted(path.iterdir()) if not part.is_dir() and part.name != "metadata.yaml"]
+    for part in parts:
+        check_file(part, "bag", SourceError)
+        if part.suffix == ".mcap":
+            verify_mcap(part)
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))
         reader.open()
@@ -86,7 +99,8 @@ def _opened(path: Path) -> Iterator[AnyReader]:
     try:
         yield reader
     finally:
-        reader.close()
+        with suppress(Exception):  # of a damaged bag; what was wrong has been said
+            reader.close()
 
 
 def _raw(message: Any, label: str) -> Image:
@@ -98,7 +112,8 @@ def _raw(message: Any, label: str) -> Image:
                           "convert the topic, e.g. with image_proc")
     height, width, step = int(message.height), int(message.width), int(message.step)
     data = np.frombuffer(np.ascontiguousarray(message.data), np.uint8)
-    if height < 1 or step < width * channels or data.size < height * step:
+    check_pixels(width, height, label, SourceError)
+    if step < width * channels or data.size != height * step:
         raise SourceError(f"{label}: {data.size} bytes for {width}x{height} {encoding} pixels: the message is broken")
     rows = data[:height * step].reshape(height, step)[:, :width * channels]
     picture = rows if channels == 1 else rows.reshape(height, width, channels)
@@ -110,7 +125,7 @@ def _raw(message: Any, label: str) -> Image:
 def _compressed(message: Any, label: str) -> Image:
     """The picture of a sensor_msgs/CompressedImage: grey stays grey, all else is blue, green, red."""
     data = np.frombuffer(np.ascontiguousarray(message.data), np.uint8)
-    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
-    if picture is None or picture.dtype != np.uint8:
+    picture = decode_picture(data.tobytes(), label)
+    if picture.dtype != np.uint8:
         raise SourceError(f"{label}: {message.format!s} cannot be decoded to 8 bits; record the raw topic, or as JPEG")
     return np.ascontiguousarray(picture[:, :, :3] if picture.ndim == 3 else picture, np.uint8)

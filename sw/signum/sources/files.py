@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+import ast
+import math
+import os
 import re
+import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from signum.common.arrays import Image
+from signum.common.checks import check_file, check_pixels
+from signum.common.console import notes
 from signum.common.errors import SourceError
 from signum.frames.frame import Frame, Source, read_picture, size_text
 from signum.geometry.calibration import CalibrationError, read_mono
 
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"})
 """A file with one of these endings is a picture."""
+
+MOST_FRAMES = 10**9
+"""Number of frames above which a video's own count is not believed."""
+LONGEST_HEADER = 10_000
+"""Bytes of a .npy file's header, as NumPy limits it."""
 
 
 class FolderSource(Source):
@@ -30,14 +42,15 @@ class FolderSource(Source):
             raise SourceError(f"{folder}: no pictures in this folder; signum reads {' '.join(sorted(PICTURES))}")
         seen: dict[str, Path] = {}
         for f in self.files:
-            if f.stem in seen:
-                raise SourceError(f"{folder}: {seen[f.stem].name} and {f.name} would both be frame {f.stem}; "
+            name = name_of(f)
+            if name in seen:
+                raise SourceError(f"{folder}: {seen[name].name} and {f.name} would both be frame {name}; "
                                   "rename or move one of them")
-            seen[f.stem] = f
+            seen[name] = f
         super().__init__(str(folder), len(self.files))
 
     def _frames(self) -> Iterator[Frame]:
-        return (Frame(f.stem, read_picture(f)) for f in self.files)
+        return (Frame(name_of(f), read_picture(f)) for f in self.files)
 
 
 class PictureSource(Source):
@@ -50,7 +63,7 @@ class PictureSource(Source):
         self.file = file
 
     def _frames(self) -> Iterator[Frame]:
-        yield Frame(self.file.stem, read_picture(self.file))
+        yield Frame(name_of(self.file), read_picture(self.file))
 
 
 class VideoSource(Source):
@@ -58,34 +71,48 @@ class VideoSource(Source):
 
     def __init__(self, file: Path) -> None:
         self.file = file
-        capture = self._open()
-        count = round(capture.get(cv2.CAP_PROP_FRAME_COUNT))
-        capture.release()
-        super().__init__(str(file), count if count > 0 else None)
+        with self._opened() as capture:
+            count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        super().__init__(str(file), round(count) if 0 < count < MOST_FRAMES else None)
 
-    def _open(self) -> cv2.VideoCapture:
-        capture = cv2.VideoCapture(str(self.file))
-        if not capture.isOpened():
-            raise SourceError(f"{self.file}: not a video that can be decoded (empty, cut short or of an unknown kind); "
-                              f"try `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
-        return capture
+    @contextmanager
+    def _opened(self) -> Iterator[cv2.VideoCapture]:
+        check_file(self.file, "video", SourceError)
+        with _named_in_utf8(self.file) as path:
+            capture = cv2.VideoCapture(str(path))
+            try:
+                if not capture.isOpened():
+                    raise SourceError(f"{self.file}: not a video that can be decoded (empty, cut short or of an "
+                                      f"unknown kind); try `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
+                size = [capture.get(side) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)]
+                check_pixels(round(size[0]), round(size[1]), str(self.file), SourceError)
+                yield capture
+            finally:
+                capture.release()
 
     def _frames(self) -> Iterator[Frame]:
-        capture = self._open()
         done = 0
-        try:
+        with self._opened() as capture:
             while True:
-                good, picture = capture.read()
+                try:
+                    good, picture = capture.read()
+                except cv2.error as error:
+                    raise SourceError(self._broken(done)) from error
                 if not good:
                     break
                 yield Frame(str(done), np.asarray(picture, np.uint8))
                 done += 1
-        finally:
-            capture.release()
         # A container's count may be off by a few frames; if a tenth is missing, the file was cut short.
         if self.count is not None and 0 < done < 0.9 * self.count - 1:
-            raise SourceError(f"{self.file}: broken after frame {done - 1} of {self.count}; what came before is kept; "
-                              f"mend the file with `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
+            raise SourceError(self._broken(done))
+        if self.count is not None and 0 < done != self.count:
+            lost = (f": frames {done} to {self.count - 1} are missing, or as many before them, so that later ones have "
+                    "too low a number" if done < self.count else "")
+            notes.print(f"{self.file}: the file lists {self.count} frames, {done} could be decoded{lost}")
+
+    def _broken(self, done: int) -> str:
+        return (f"{self.file}: broken after frame {done - 1} of {self.count}; what came before is kept; "
+                f"mend the file with `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
 
 
 class CameraSource(Source):
@@ -125,13 +152,17 @@ class ArraySource(Source):
         Raises:
             SourceError: if it is not such an array.
         """
-        try:
-            data = np.load(file, mmap_mode="r", allow_pickle=False)
-        except (ValueError, OSError, EOFError) as error:
-            raise SourceError(f"{file}: not a NumPy array file; save the frames with `numpy.save`") from error
-        if data.dtype != np.uint8 or data.ndim not in (3, 4) or (data.ndim == 4 and data.shape[3] != 3):
-            raise SourceError(f"{file}: {data.dtype} array of shape {data.shape}; "
-                              "frames are uint8 (N, H, W) or (N, H, W, 3)")
+        size = check_file(file, "NumPy array", SourceError)
+        shape, fortran, kind, offset = _header(file)
+        if kind != np.uint8 or len(shape) not in (3, 4) or (len(shape) == 4 and shape[3] != 3):
+            raise SourceError(f"{file}: {kind} array of shape {shape}; frames are uint8 (N, H, W) or (N, H, W, 3)")
+        if min(shape) < 1:
+            raise SourceError(f"{file}: array of shape {shape}; expected every length to be 1 or more")
+        check_pixels(shape[2], shape[1], str(file), SourceError)
+        if size != offset + math.prod(shape):
+            raise SourceError(f"{file}: {size - offset} bytes of data; expected {math.prod(shape)} for an array of "
+                              f"shape {shape}: save the frames again with `numpy.save`")
+        data: Image = np.memmap(file, np.uint8, "r", offset, shape, "F" if fortran else "C")
         return cls(data, str(file))
 
     def _frames(self) -> Iterator[Frame]:
@@ -157,5 +188,56 @@ class UndistortedSource(Source):
             yield Frame(frame.name, np.asarray(cv2.remap(frame.picture, *maps, cv2.INTER_LINEAR), np.uint8))
 
 
+def _header(file: Path) -> tuple[tuple[int, ...], bool, np.dtype[np.generic], int]:
+    """Shape, whether in Fortran's order, type and offset of the data of a .npy file.
+
+    Raises:
+        SourceError: if it is no such file.
+    """
+    with file.open("rb") as stream:
+        try:
+            version = np.lib.format.read_magic(stream)
+            length = int.from_bytes(stream.read(2 if version == (1, 0) else 4), "little")
+            if length > LONGEST_HEADER:
+                raise ValueError("length of the header")
+            header = ast.literal_eval(stream.read(length).decode("utf-8" if version == (3, 0) else "latin1").strip())
+            shape = tuple(header["shape"])
+            if set(header) != {"descr", "fortran_order", "shape"} or not all(type(n) is int for n in shape):
+                raise ValueError("entries of the header")
+            if type(header["fortran_order"]) is not bool or not isinstance(header["descr"], str):
+                raise ValueError("entries of the header")
+            kind = np.dtype(header["descr"])
+        except Exception as error:  # of any type: the header is a Python literal
+            raise SourceError(f"{file}: not a NumPy array file; save the frames with `numpy.save`") from error
+        return shape, header["fortran_order"], kind, stream.tell()
+
+
+@contextmanager
+def _named_in_utf8(file: Path) -> Iterator[Path]:
+    """The file's absolute path, or that of a link to it where its name is not UTF-8, which ends OpenCV by a signal."""
+    path = file.absolute()
+    if str(path).isascii() or _is_utf8(str(path)):
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        link = Path(folder) / f"video{path.suffix if _is_utf8(path.suffix) else ''}"
+        link.symlink_to(path)
+        yield link
+
+
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def name_of(file: Path) -> str:
+    """The name of a picture's frame: the file's without its ending; bytes that are not UTF-8 become escapes."""
+    return os.fsencode(file.stem).decode("utf-8", "backslashreplace")
+
+
 def _natural(name: str) -> list[tuple[int, int, str]]:
-    return [(0, int(part), "") if part.isdigit() else (1, 0, part.lower()) for part in re.split(r"(\d+)", name) if part]
+    parts = filter(None, re.split(r"(\d+)", name))
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part.lower()) for part in parts]

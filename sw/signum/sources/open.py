@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from signum.common.errors import SourceError
+from signum.common.checks import check_file
+from signum.common.errors import SourceError, lacking
 from signum.frames.frame import Source
 from signum.sources.files import (
     PICTURES,
@@ -43,7 +44,10 @@ def open_source(text: str | Path, calibration: Path | None = None) -> Source:
 def _open(text: str | Path) -> Source:
     file, _, topic = str(text).partition("#")
     if _is_bag(Path(file)):
-        from signum.sources.bags import BagSource  # loads slowly
+        try:
+            from signum.sources.bags import BagSource  # loads slowly
+        except ModuleNotFoundError as error:
+            raise lacking("ros", error) from error
 
         return BagSource(Path(file), topic or None)
     if WORLD.match(str(text)) and not Path(text).exists():
@@ -58,8 +62,7 @@ def _open(text: str | Path) -> Source:
         if camera:
             return CameraSource(int(camera[1]))
         raise SourceError(f"{path}: no such file or folder; check the spelling (in {Path.cwd()})")
-    if not path.stat().st_size:
-        raise SourceError(f"{path}: the file is empty; copy or record it again")
+    check_file(path, "video, picture, array or bag", SourceError)
     kind = path.suffix.lower()
     if kind in PICTURES:
         return PictureSource(path)

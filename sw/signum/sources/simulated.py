@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from signum.common.checks import within
 from signum.common.errors import SourceError
 from signum.frames.frame import Frame, Source
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
@@ -14,6 +15,13 @@ from signum.world.camera import Pinhole
 from signum.world.seafloor import PHOTOS, Seafloor
 from signum.world.water import WATERS
 from signum.world.world import World
+
+RANGES: dict[str, tuple[float, float]] = {
+    "frames": (1, 1_000_000), "rate": (0.01, 1000.0), "speed": (0.001, 10.0), "columns": (0.01, 100.0),
+    "spacing": (0.01, 100.0), "height": (0.2, 20.0), "relief": (0.0, 2.0), "seed": (0, 2**31 - 1)}
+"""Smallest and largest value of what a source's name may set."""
+MOST_TEXELS = 100e6
+"""Largest size of the simulated floor, texels."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +87,8 @@ class WorldSource(Source):
         survey = SurveyPlan(**values)  # type: ignore[arg-type]
         if survey.water not in WATERS or survey.photo not in PHOTOS:
             raise SourceError(f"{text}: water is one of {', '.join(WATERS)}, photo one of {', '.join(PHOTOS)}")
-        if survey.frames < 1 or min(survey.rate, survey.speed, survey.columns, survey.spacing, survey.height) <= 0:
-            raise SourceError(f"{text}: frames, rate, speed, columns, spacing and height must be above 0")
+        for name, (low, high) in RANGES.items():
+            within(getattr(survey, name), f"{text}: {name}", low, high, SourceError)
         return cls(survey, text)
 
     def _frames(self) -> Iterator[Frame]:
@@ -89,8 +97,11 @@ class WorldSource(Source):
         middle = (np.min(flown, axis=0) + np.max(flown, axis=0)) / 2
         extent = float(np.ptp(np.array(flown), axis=0).max()) + 1.5 * s.height + 1.0
         camera = Pinhole()
-        floor = Seafloor(extent=extent, relief=s.relief, texel=0.8 * s.height / camera.focal, photo=s.photo,
-                         seed=s.seed)
+        texel = 0.8 * s.height / camera.focal
+        if (extent / texel) ** 2 > MOST_TEXELS:
+            raise SourceError(f"{self.label}: a floor of {extent:.0f} m seen from {s.height:g} m; expected a shorter "
+                              "or higher survey")
+        floor = Seafloor(extent=extent, relief=s.relief, texel=texel, photo=s.photo, seed=s.seed)
         world = World(floor, WATERS[s.water], seed=s.seed)
         for k, (north, east) in enumerate(flown):
             position = np.array([north - middle[0], east - middle[1], -s.height])

@@ -6,6 +6,8 @@ import csv
 from collections.abc import Sequence
 from pathlib import Path
 
+from signum.tables.cells import neutral_row
+
 
 class Table:
     """A CSV file of whole rows: after each `write` it is complete on disk, so a run that is stopped keeps its rows."""
@@ -17,7 +19,7 @@ class Table:
 
     def write(self, row: Sequence[object]) -> None:
         """Append a row and flush the file."""
-        self._rows.writerow(row)
+        self._rows.writerow(neutral_row(row))
         self._file.flush()
 
     def close(self) -> None:

@@ -5,7 +5,7 @@ Positions are complex numbers x + iy with y down, as pixels have it; east and no
 
 from __future__ import annotations
 
-import csv
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,16 +15,24 @@ import numpy as np
 
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Complexes, Floats
+from signum.common.checks import number
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
+from signum.tables.reader import read_rows
 
 FRAME_COLUMNS = "frame", "name", "image", "file", "filename"
 """Names of the column with the frame's name; the first one found is used."""
 EAST_COLUMNS = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
+"""Names of the column with metres to the east; the first one found is used."""
 NORTH_COLUMNS = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
+"""Names of the column with metres to the north; the first one found is used."""
 PIXEL_COLUMNS = ("x_px", "y_px")
+"""Names of the columns with pixels to the right and down, used where there are no metres."""
 HEADING_COLUMNS = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
-"""Names of the columns with the heading; as above, the first name found is used."""
+"""Names of the columns with the heading; the first name found is used."""
+
+FARTHEST = 1e8
+"""Largest coordinate of a frame, metres or pixels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,16 +63,10 @@ def read_track(path: Path, source: str = "") -> Track:
         source: label of the frames' source.
 
     Raises:
-        SignumError: if columns are missing, a number is none, or a frame is listed twice.
+        SignumError: if it is no CSV file, columns are missing, a number is none, infinite or beyond FARTHEST, or a
+            frame is listed twice.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [{(k or "").strip().lower(): (v or "").strip() for k, v in row.items() if not isinstance(v, list)}
-                    for row in csv.DictReader(file)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise SignumError(f"{path}: not a CSV table; export it as comma-separated text") from error
-    if not rows:
-        raise SignumError(f"{path}: no rows in it; give a CSV table with a row per frame")
+    rows = read_rows(path)
     heads = set(rows[0])
     name = _column(path, heads, FRAME_COLUMNS, "the frame's name")
     pixels = heads.issuperset(PIXEL_COLUMNS)
@@ -76,17 +78,16 @@ def read_track(path: Path, source: str = "") -> Track:
         run = Path(source).name
         kept = [i for i, row in enumerate(rows) if run in Path(row["path"]).parts]
         rows, names = [rows[i] for i in kept], [names[i] for i in kept]
-    twice = next((n for i, n in enumerate(names) if n in names[:i]), None)
+    twice = next((n for n, times in Counter(names).items() if times > 1), None)
     if twice is not None:
         raise SignumError(f"{path}: frame {twice} is listed twice; keep the rows of this run only")
     positions, headings = {}, {}
     for label, row in zip(names, rows, strict=True):
-        try:
-            positions[label] = complex(float(row[east]), float(row[north]) * (1 if pixels else -1))
-            if heading and row[heading]:
-                headings[label] = float(row[heading])
-        except ValueError as error:
-            raise SignumError(f"{path}: frame {label}: {error}; give plain numbers") from error
+        x, y = (number(row[column], f"{path}: frame {label}: {column}", -FARTHEST, FARTHEST)
+                for column in (east, north))
+        positions[label] = complex(x, y * (1 if pixels else -1))
+        if heading and row[heading]:
+            headings[label] = number(row[heading], f"{path}: frame {label}: {heading}", -3600, 3600)
     return Track(positions, headings, "px" if pixels else "m")
 
 
@@ -140,9 +141,9 @@ def pose_errors(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> Pos
     """
     known = [p for p in poses if p.frame in truth.positions]
     if len(known) < 3:
-        raise SignumError(f"the truth knows {len(known)} of the {len(poses)} placed frames, three are needed: its "
-                          f"frames are called {', '.join(list(truth.positions)[:3])}, ..., those of the mosaic "
-                          f"{', '.join(p.frame for p in poses[:3])}, ...")
+        raise SignumError(f"only {len(known)} of the {len(poses)} placed frames have a true position; at least 3 must: "
+                          f"the truth's frames are called {', '.join(list(truth.positions)[:3])}, ..., those of the "
+                          f"mosaic {', '.join(p.frame for p in poses[:3])}, ...")
     z = np.array([complex(p.x_px, p.y_px) for p in known])
     w = np.array([truth.positions[p.frame] for p in known])
     onto = align(z, w, scaled)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,12 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.arrays import Image
+from signum.common.checks import number, within
 from signum.common.errors import SignumError
 from signum.frames.frame import grey, read_picture
+from signum.tables.reader import read_rows
 from signum.tables.schemas import PLACES
 
 CLOSED = 5
 """Width, pixels, up to which black specks inside the mosaic count as covered."""
+
+FARTHEST = 1e6
+"""Largest coordinate of a named place, pixels."""
 
 
 class ChartError(SignumError):
@@ -90,6 +94,8 @@ class Chart:
             except ValueError as error:
                 known = f"one of {', '.join(self.places)}" if self.places else "from places.csv beside the mosaic"
                 raise ChartError(f"{text!r}: give X,Y in pixels of mosaic.png, or a name ({known})") from error
+            for value in (x, y):
+                within(value, f"{text!r}", -FARTHEST, FARTHEST, ChartError)
         if not self.covers(x, y):
             raise ChartError(f"{text}: not on the mosaic, which is {self.size[0]}x{self.size[1]} pixels black "
                              "where not covered; choose a place that is covered")
@@ -115,8 +121,9 @@ def filled(chart: Chart) -> Image:
 
 
 def _places(path: Path) -> dict[str, tuple[float, float]]:
-    with path.open(newline="", encoding="utf-8") as file:
-        try:
-            return {row["name"]: (float(row["x_px"]), float(row["y_px"])) for row in csv.DictReader(file)}
-        except (KeyError, TypeError, ValueError) as error:
-            raise ChartError(f"{path}: its columns are {', '.join(PLACES)}, the last two numbers") from error
+    rows = read_rows(path, ChartError)
+    if not set(PLACES) <= set(rows[0]):
+        raise ChartError(f"{path}: its columns are {', '.join(rows[0])}; expected {', '.join(PLACES)}")
+    return {row["name"]: (number(row["x_px"], f"{path}: {row['name']}: x_px", -FARTHEST, FARTHEST, ChartError),
+                          number(row["y_px"], f"{path}: {row['name']}: y_px", -FARTHEST, FARTHEST, ChartError))
+            for row in rows}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import io
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.arrays import Floats
+from signum.common.checks import TABLE_BYTES, read_bytes
+from signum.common.console import notes
 from signum.common.errors import SignumError
+from signum.tables.cells import restored
+
+LARGEST = 1e12
+"""Largest magnitude of a number in a table."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +34,7 @@ class Columns:
         return len(self.text[self.names[0]]) if self.names else 0
 
     def numbers(self, name: str) -> Floats:
-        """A column as numbers, (rows,); NaN where the text is empty or not a number."""
+        """A column as numbers, (rows,); NaN where the text is empty or no finite number up to LARGEST."""
         return np.array([_number(v) for v in self.text[name]], np.float64)
 
     def groups(self, name: str) -> dict[str, NDArray[np.int64]]:
@@ -38,23 +46,42 @@ class Columns:
 
 
 def read_table(path: Path, needed: tuple[str, ...] = ()) -> Columns:
-    """Read a CSV file; rows without all columns, such as a last row cut short, are left out.
+    """Read a CSV file; rows without all columns, such as a last row cut short, are left out, which a note
+    says.
 
     Raises:
-        SignumError: if a needed column is missing.
+        SignumError: if it is no file with a table, or a needed column is missing.
     """
-    with path.open(newline="", encoding="utf-8", errors="replace") as file:
-        lines = [line for line in csv.reader(file) if line]
+    text = read_bytes(path, "table", most=TABLE_BYTES).decode("utf-8", "replace")
+    try:
+        lines = [[restored(cell) for cell in line] for line in csv.reader(io.StringIO(text, newline="")) if line]
+    except csv.Error as error:
+        raise SignumError(f"{path}: not a CSV table ({error}); run the command again that writes it") from error
     names = tuple(lines[0]) if lines else ()
     missing = [name for name in needed if name not in names]
     if missing:
         raise SignumError(f"{path}: has no column {', '.join(missing)}; run the command again that writes this table")
     body = [line for line in lines[1:] if len(line) == len(names)]
+    if len(body) < len(lines) - 1:
+        notes.print(f"{path}: {len(lines) - 1 - len(body)} of {len(lines) - 1} rows have not {len(names)} cells and "
+                    "are left out")
+    endless = sum(_endless(cell) for line in body for cell in line)
+    if endless:
+        notes.print(f"{path}: {endless} cells are no finite numbers up to {LARGEST:g} and are left out")
     return Columns(names, {name: [line[i] for line in body] for i, name in enumerate(names)})
 
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        return float("nan")
+        return math.nan
+    return value if abs(value) <= LARGEST else math.nan
+
+
+def _endless(text: str) -> bool:
+    """Whether a text is a number that is infinite, not a number, or beyond LARGEST."""
+    try:
+        return not abs(float(text)) <= LARGEST
+    except ValueError:
+        return False

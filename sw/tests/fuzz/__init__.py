@@ -1,0 +1,1 @@
+"""Fuzzing of the commands: seeded mutations of every kind of input, each run in a child with limits."""
