@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Two frames into the Verilated board, a grid of jobs, and the results with sub-pixel offsets.
 
 `python examples/grid.py` runs the RTL, `python examples/grid.py golden` the golden model: the same numbers.
@@ -9,11 +10,10 @@ import cv2
 import numpy as np
 
 from golden.correlate import grid
-from signum import Job, open_board
-from signum.measure.peak import Peak, locate_peaks
+from signum import Job, Peak, locate_peaks, open_board
 from signum.world.seafloor import photograph
 
-SIZE = 320, 240
+SIZE, SIGMA = (320, 240), 2.0
 MOTION = 5.25, -3.5
 """True displacement of the picture from the first frame to the second, pixels right and down."""
 
@@ -30,18 +30,18 @@ def main(board_name: str = "verilated") -> list[Peak]:
               search_slot=1, search_x=4, search_y=4, offsets_x=25, offsets_y=25)
     count, step = (4, 3), (84, 80)
     with open_board(board_name) as board:
-        board.configure(SIZE, sigma=2.0)
+        board.configure(SIZE, SIGMA)
         board.capture(0, np.ascontiguousarray(first))
         board.capture(1, np.ascontiguousarray(second))
         board.submit_grid(job, count, step)
         results = board.collect(count[0] * count[1])
 
     jobs = grid(job, count, step)
-    peaks = locate_peaks(jobs, results, "auto")
-    print("     x    y      dx     dy  score  runner-up   (true: dx, dy = 5.25, -3.50)")
+    peaks = locate_peaks(jobs, results, SIGMA)
+    print("     x    y      dx     dy  score  runner-up  above chance   (true: dx, dy = 5.25, -3.50)")
     for one, peak in zip(jobs, peaks, strict=True):
         print(f"  {one.tpl_x:4d} {one.tpl_y:4d}  {peak.dx:6.2f} {peak.dy:6.2f}  {peak.score:5.3f}  "
-              f"{peak.score - peak.margin:9.3f}")
+              f"{peak.score - peak.margin:9.3f}  {peak.above_chance:12.1f}")
     return peaks
 
 

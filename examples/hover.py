@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Hover: frames in, metres out. The first frame is the station; every later one is measured against it.
 
 `python examples/hover.py` flies a simulated camera; `python examples/hover.py dive.mp4 700 1.5` measures a video of a
@@ -7,8 +8,7 @@ camera that looks down, focal length 700 pixels, 1.5 m over the floor in the fir
 import sys
 from itertools import chain
 
-from signum import Fit, Measurer, open_board, open_source
-from signum.applications.hold.reading import Reading
+from signum import Fit, Measurer, Reading, open_board, open_source
 from signum.applications.hold.watch import watch_station
 
 WINDOW, SIGMA, RATE = 64, 2.0, 5.0

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A mosaic from a folder of overlapping pictures: `python examples/mosaic.py survey/ out/mosaic`.
 
 Writes mosaic.png, poses.csv and edges.csv into the output folder.
@@ -6,8 +7,7 @@ Writes mosaic.png, poses.csv and edges.csv into the output folder.
 import sys
 from pathlib import Path
 
-from signum import Fit, Measurer, Registrar, open_board, open_source
-from signum.applications.mosaic.survey import Survey
+from signum import Fit, Measurer, Registrar, Survey, open_board, open_source
 
 WINDOW, SIGMA = 32, 2.0
 

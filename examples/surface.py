@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A correlation surface drawn: the score of every offset of one window, with its peak marked.
 
 `python examples/surface.py surface.png` writes the picture. Chance is 0.5: a window of unrelated signs matches half.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draws the block diagrams of the documentation: `python docs/tools/diagrams.py` writes `docs/img/*.svg`.
 
 A diagram is boxes on a grid of columns and rows, and arrows between them. An arrow runs along a row, along a column,

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """MkDocs hook: the pages that are made from the code, so that they cannot differ from it.
 
 The command line from the commands' own options, every CSV's columns from `signum.tables.schemas`, the registers from
-the generated map, PeakRDL's page beside them; and optional pages enter the navigation where they exist.
+the generated map, PeakRDL's page beside them; and pages that the navigation does not name enter it by
+their headings.
 """
 
 from __future__ import annotations
@@ -19,8 +21,6 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "rtl" / "control" / "slog_csr.rdl"
 PAGE = ROOT / "out" / "regs"
-OPTIONAL = {"verification.md": "Verification", "promises.md": "Promises"}
-"""Pages that enter the navigation where they exist."""
 SUFFIXES = {"_px": "pixels", "_m": "metres", "_deg": "degrees", "_s": "seconds"}
 UNITS = {
     "frame": "name", "frame_a": "name", "frame_b": "name", "name": "name", "feature": "number", "kind": "word",
@@ -156,11 +156,17 @@ def api_page() -> str:
 
 
 def on_config(config: Any) -> Any:
-    """Make the project importable, and add the optional pages that exist."""
+    """Make the project importable, and add the pages that the navigation does not name."""
     sys.path[:0] = [str(ROOT / "sw"), str(ROOT)]  # MkDocs undoes what a hook does to it while loading
-    there = [{title: name} for name, title in OPTIONAL.items() if (ROOT / "docs" / name).exists()]
-    config.nav[-1:-1] = there
+    named = str(config.nav)
+    config.nav[-1:-1] = [{_title(path): path.name} for path in sorted((ROOT / "docs").glob("*.md"))
+                         if f"'{path.name}'" not in named]
     return config
+
+
+def _title(path: Path) -> str:
+    """A page's first heading."""
+    return next(line.lstrip("# ") for line in path.read_text().splitlines() if line.startswith("#"))
 
 
 def on_files(files: Any, config: Any) -> Any:

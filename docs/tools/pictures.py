@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Makes the pictures of the page on the idea from the project's own code: `python docs/tools/pictures.py`."""
 
 from __future__ import annotations

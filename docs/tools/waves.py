@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draws the timing diagrams of the documentation: `python docs/tools/waves.py` writes `docs/img/waves-*.svg`.
 
 Each runs a stimulus through the cycle model of one module, which the cocotb tests hold against the RTL on every clock

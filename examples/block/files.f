@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 // For `verilator -F files.f`: paths are relative to this file. The waivers name the reason of each.
-../../sim/lint/waive.vlt
+../../rtl/slog_waive.vlt
 +incdir+../../rtl
 ../../rtl/cells/slog_ram.sv
 ../../rtl/cells/slog_mult.sv

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A design of one's own around one block of Signum: counts the positive signs of every camera frame.
 //
 // The image is 48x36, sigma is 2. ones_o is valid in the clock in which done_o is high.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Lints and simulates `my_design` with Verilator and cocotb: `python examples/block/run.py [BUILD_FOLDER]`.
 
 cocotb needs Python as a shared library (`apt install libpython3-dev`); everything else `make setup` has installed.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Plain cocotb test of `my_design`: frames in, the number of positive signs out, against the golden LoG."""
 
 import cocotb

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Simulates the `tiny` board with `test_whole_board`: `python examples/board/run.py`."""
 
 from sim.testbench.runner import AXI_PORTS, simulate

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The documentation names what there is: modules, columns, commands; pictures are as the scripts draw them."""
 
 import importlib.util

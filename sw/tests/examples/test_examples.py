@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Every example runs and measures what it shows; the block taken out lints clean and passes its own test."""
 
 import importlib.util
