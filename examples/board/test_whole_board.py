@@ -35,13 +35,10 @@ async def finds_the_motion(dut) -> None:
     bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_i)
     await ClockCycles(dut.clk_i, 4)
     dut.rst_i.value = 0
-
     async def write(register: str, **values: int) -> None:
         await bus.write_dword(address(register), word(register, **values))
-
     async def read(field: str) -> int:
         return fields()[field].unpack(await bus.read_dword(fields()[field].address))
-
     for (second, index), value in np.ndenumerate(kernels(2.0, TINY.radius)):
         await write("coef", value=int(value), second=second, index=index, go=1)
     await write("image_size", width=WIDTH, height=HEIGHT)
