@@ -3,6 +3,7 @@
 
 import importlib.util
 import re
+import sys
 from types import ModuleType
 
 import pytest
@@ -18,6 +19,7 @@ def tool(name: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / "tools" / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look there
     spec.loader.exec_module(module)
     return module
 
