@@ -85,7 +85,8 @@ def _box(place: Place, text: str, kind: str) -> str:
     for k, line in enumerate(lines):
         style = 'font-size="13.5" font-weight="600"' if k == 0 else 'font-size="11.5"'
         at = y + 4 + 15 * (k - (len(lines) - 1) / 2)
-        out.append(f'<text x="{x:g}" y="{at:g}" {TEXT} {style} fill="#102027" text-anchor="middle">{escape(line)}</text>')
+        out.append(f'<text x="{x:g}" y="{at:g}" {TEXT} {style} fill="#102027" text-anchor="middle">'
+                   f'{escape(line)}</text>')
     return "".join(out)
 
 

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +57,7 @@ def schemas() -> Iterator[tuple[str, tuple[str, ...], str]]:
     from signum.tables import schemas as module
 
     body = ast.parse(inspect.getsource(module)).body
-    for node, after in zip(body, body[1:], strict=False):
+    for node, after in pairwise(body):
         if (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and isinstance(after, ast.Expr)
                 and isinstance(after.value, ast.Constant)):
             name = node.targets[0].id
@@ -168,6 +170,8 @@ def on_files(files: Any, config: Any) -> Any:
     for path, text in (("reference/tables.md", tables_page()), ("reference/commands.md", commands_page())):
         files.append(File.generated(config, path, content=text))
     subprocess.run([sys.executable, "-m", "peakrdl", "html", str(SOURCE), "-o", str(PAGE)], check=True)
+    page = PAGE / "index.html"
+    page.write_text(re.sub(r"<script async src=\"https://[^>]*></script>", "", page.read_text()))  # no foreign scripts
     for path in sorted(p for p in PAGE.rglob("*") if p.is_file()):
         files.append(File.generated(config, f"reference/regs/{path.relative_to(PAGE)}", abs_src_path=str(path)))
     return files

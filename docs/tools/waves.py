@@ -85,8 +85,8 @@ def draw(wave: Wave) -> str:
     parts.append(f'<text x="8" y="18" {FONT} font-size="10" fill="#607d8b">clock</text>')
     for row, signal in enumerate(wave.signals):
         base = ROW_H * (row + 1) + ROW_H - 4
-        parts.append(f'<text x="8" y="{base - 5}" {FONT} font-size="12" fill="#102027">{signal.name}</text>')
-        parts.append(_bus(signal, seen, base) if signal.bus else _level(signal, seen, base))
+        parts += [f'<text x="8" y="{base - 5}" {FONT} font-size="12" fill="#102027">{signal.name}</text>',
+                  _bus(signal, seen, base) if signal.bus else _level(signal, seen, base)]
     return "\n".join([*parts, "</svg>", ""])
 
 
@@ -103,12 +103,14 @@ def _bus(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> st
     while k < len(seen):
         value = _shown(signal, seen[k])
         last = k + 1
-        while last < len(seen) and _shown(signal, seen[last]) == value and (value is None or signal.held or not signal.valid):
+        merges = value is None or signal.held or not signal.valid
+        while merges and last < len(seen) and _shown(signal, seen[last]) == value:
             last += 1
         x0, x1 = NAME_W + k * CLOCK_W, NAME_W + last * CLOCK_W
         fill = "#eceff1" if value is None else "#e0f2f1"
-        out.append(f'<path d="M{x0 + 3} {base - HIGH}H{x1 - 3}L{x1} {base - HIGH / 2:g}L{x1 - 3} {base}H{x0 + 3}'
-                   f'L{x0} {base - HIGH / 2:g}Z" fill="{fill}" stroke="#00796b" stroke-width="1"/>')
+        middle = base - HIGH / 2
+        out.append(f'<path d="M{x0 + 3} {base - HIGH}H{x1 - 3}L{x1} {middle:g}L{x1 - 3} {base}H{x0 + 3}'
+                   f'L{x0} {middle:g}Z" fill="{fill}" stroke="#00796b" stroke-width="1"/>')
         if value is not None:
             text = f"{value:x}" if signal.hexadecimal else str(value)
             room = max(6.0, min(10.5, (x1 - x0 - 5) / (0.6 * len(text))))
@@ -183,8 +185,8 @@ def correlator() -> Wave:
 
 def array() -> Wave:
     """One pass of four rows of operands and five offsets."""
-    rows = [{"valid_i": 1, "first_i": int(r == 0), "last_i": int(r == 3), "tpl_a_i": 0x5A >> r, "search_a_i": 0x35A >> r,
-             "tpl_b_i": 0xC3 >> r, "search_b_i": 0x1C3 >> r} for r in range(4)]
+    rows = [{"valid_i": 1, "first_i": int(r == 0), "last_i": int(r == 3), "tpl_a_i": 0x5A >> r,
+             "search_a_i": 0x35A >> r, "tpl_b_i": 0xC3 >> r, "search_b_i": 0x1C3 >> r} for r in range(4)]
     common = {"move_i": 1, "mask_i": 0xFFFF, "lanes_i": TINY.lanes}
     inputs = [{**common, **i} for i in [*[{}] * 24, *rows, *[{}] * 32]]
     return Wave("slog_array of tiny", ArrayModel(TINY.group_bits, TINY.lanes), inputs, (

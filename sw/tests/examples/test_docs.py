@@ -1,4 +1,4 @@
-"""The documentation names what there is: modules, columns with units, pictures as the scripts draw them, a short README."""
+"""The documentation names what there is: modules, columns, commands; pictures are as the scripts draw them."""
 
 import importlib.util
 import re

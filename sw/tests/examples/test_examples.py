@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
+from signum.world.seafloor import photograph
 from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, Verilator, _keep_library, _reuse_library
 from sim.toolchain import BUILD, ROOT, sources_of
-from signum.world.seafloor import photograph
 
 EXAMPLES = ROOT / "examples"
 MOST_LINES = 60
