@@ -1,4 +1,4 @@
-// AXI4-Lite to the register block's request port, one access at a time; every output comes from a register.
+// AXI4-Lite to the register block's request port, one access at a time; every output is a register.
 //
 // When a read and a write both wait, they take turns. A read of WaitAddr waits while wait_i is high; writes overtake it.
 // The pins lie far apart: two pipeline registers follow every address and data input, and k more byte k of written data.

@@ -37,7 +37,7 @@ class Reason(StrEnum):
 class Rules:
     """What makes a measurement valid. Scores are matching fractions.
 
-    `min_score` alone does not tell right from wrong: on real seabed, wrong peaks score far above chance, and most of
+    `min_score` alone does not separate right from wrong: on real seabed, wrong peaks score far above chance; most of
     them fail the other checks. `max_likeness` bounds how well a window may match itself two pixels or more away, from 0
     (as white texture under the same filter) to 1 (identical). `max_return_px` is the largest distance between the start
     and the end of the backward search.

@@ -8,7 +8,7 @@ import os
 import signal
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -223,8 +223,10 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path, inputs: Path, victim
             (folder / file.relative_to(inputs / kind)).write_bytes(file.read_bytes())
     path = tmp_path / "in" / victim.split("/", 1)[1]
     path.unlink()
-    {"pipe": partial(os.mkfifo, path), "device": partial(path.symlink_to, "/dev/zero"), "folder": path.mkdir,
-     "empty": path.touch}[way]()
+    ways: dict[str, Callable[[], object]] = {
+        "pipe": partial(os.mkfifo, path), "device": partial(path.symlink_to, "/dev/zero"), "folder": path.mkdir,
+        "empty": path.touch}
+    ways[way]()
     with pytest.raises(SignumError) as error:
         if kind == "calibration":
             read_mono(path)

@@ -9,9 +9,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from cocotb_tools.runner import Verilator
 
 from signum.world.seafloor import photograph
-from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, Verilator, _keep_library, _reuse_library
+from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, _keep_library, _reuse_library
 from sim.toolchain import BUILD, ROOT, sources_of
 
 EXAMPLES = ROOT / "examples"
