@@ -16,7 +16,7 @@ module slog_rules_sequencer
   logic [RowW-1:0] written_q, ahead;
   logic [1:0] done_q;
   logic started_q;
-  assign ahead = rows_written_i - need_q;
+  assign ahead = written_q - need_q;  // by the rows of the clock before
   always_ff @(posedge clk_i) begin
     written_q <= rows_written_i;
     done_q    <= tpl_done_i;
@@ -24,7 +24,7 @@ module slog_rules_sequencer
     if (!rst_i) begin
       AssumeWritten : assume (!started_q || rows_written_i == written_q || rows_written_i == written_q + 1'b1);
       AssumeDone : assume (!started_q || (done_q & ~tpl_done_i) == '0 || bank_free_o);
-      RulesSequencerOperands : assert (!token || (!ahead[RowW-1] && tpl_done_i[t_q.bank]) || bank_free_o);
+      RulesSequencerOperands : assert (!token || !started_q || (!ahead[RowW-1] && done_q[t_q.bank]));
       CoverRow : cover (token);
     end
   end
