@@ -1,8 +1,8 @@
 """Runs proofs: writes each one's SymbiYosys file into `build/formal/`, runs it and prints one line.
 
 `python -m sim.formal [--quick] [NAME ...]` runs all proofs, the quick ones, or those named. It fails if a proof fails
-or runs out of time, and also if the design holds no assertion (or no cover point): Yosys' reader drops assertions
-silently when it takes the design for one to be synthesised.
+or runs out of time, and if the design holds no assertion (or no cover point): Yosys' reader drops assertions silently
+when it takes the design for one to be synthesised.
 """
 
 from __future__ import annotations
