@@ -5,6 +5,7 @@ CONFIG     ?= full
 JOBS       ?= 2
 BOARD      ?= golden
 MINUTES    ?= 10
+CRASHES    ?= 48
 VENV       := .venv
 PY         := $(VENV)/bin/python
 PIP        := $(PY) -m pip --disable-pip-version-check --quiet
@@ -45,6 +46,14 @@ test: setup ## Every test, on two cores (JOBS=n for others): out/junit.xml
 .PHONY: fuzz
 fuzz: setup ## Damaged inputs of every kind through the commands, counted by outcome: out/fuzz/failures (MINUTES=10; SEED=n repeats)
 	@PYTHONPATH=sw $(PY) -m tests.fuzz --minutes $(MINUTES) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
+
+.PHONY: crash
+crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill the disk, remove the folder; compare bytes (SEED=n)
+	@CRASHES=$(CRASHES) $(if $(SEED),SEED=$(SEED)) $(PY) -m pytest -s sw/tests/commands/test_crash.py
+
+.PHONY: endurance
+endurance: setup ## Memory and time a frame over 2,000 frames of mosaic and 10,000 of track and hold
+	@PYTHONPATH=sw $(PY) -m tests.endurance
 
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests

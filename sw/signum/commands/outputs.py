@@ -130,10 +130,15 @@ def move_aside(folder: Path) -> Path:
 def identity(source: str) -> str:
     """A source as the user named it, whatever the spelling: whole path of a file, with the topic of a bag; a camera or
     the simulated world as it is."""
-    if Path(source).exists():
-        return str(Path(source).resolve())
     file, mark, topic = source.partition("#")
-    return f"{Path(file).resolve()}{mark}{topic}" if Path(file).exists() else source.removeprefix("camera:")
+    try:
+        if Path(source).exists():
+            return str(Path(source).resolve())
+        if Path(file).exists():
+            return f"{Path(file).resolve()}{mark}{topic}"
+    except (OSError, ValueError):  # no name of a file
+        pass
+    return source.removeprefix("camera:")
 
 
 def _read(path: Path) -> _Record | None:

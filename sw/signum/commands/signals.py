@@ -26,7 +26,7 @@ SHOW_CURSOR = b"\x1b[?25h"
 
 class _Stop:
     def __init__(self) -> None:
-        self.asked = False
+        self.seen = self.asked = False
         self.shielded = 0
 
 
@@ -62,6 +62,9 @@ def shielded() -> Iterator[None]:
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
+    if _stop.seen:  # the thread ends the process
+        return
+    _stop.seen = True
     if _stop.shielded:
         _stop.asked = True
     else:

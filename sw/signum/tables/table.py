@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from signum.tables.cells import neutral_row
@@ -13,15 +14,24 @@ class Table:
     """A CSV file of whole rows: after each `write` it is complete on disk, so a run that is stopped keeps its rows."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self._path = path
         self._file = path.open("w", newline="", encoding="utf-8")
         self._rows = csv.writer(self._file)
         self.write(columns)
 
     def write(self, row: Sequence[object]) -> None:
-        """Append a row and flush the file."""
-        self._rows.writerow(neutral_row(row))
-        self._file.flush()
+        """Append a row and flush the file.
+
+        Raises:
+            OSError: if it cannot be written, with the table's path as its file name.
+        """
+        try:
+            self._rows.writerow(neutral_row(row))
+            self._file.flush()
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(self._path)) from error
 
     def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+        """Close the file; rows that could not be written have been told of by `write`."""
+        with suppress(OSError):
+            self._file.close()

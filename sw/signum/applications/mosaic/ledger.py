@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
@@ -17,6 +18,7 @@ from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
 from signum.common.files import write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Registrar, Registration
+from signum.tables.cells import neutral_row
 from signum.tables.schemas import SURVEY_EDGES
 
 
@@ -105,7 +107,8 @@ class Ledger:
     def close_table(self) -> None:
         """Write no more rows."""
         if self._table is not None:
-            self._table.close()
+            with suppress(OSError):  # of a row that `note` has told of
+                self._table.close()
 
     @property
     def opened(self) -> bool:
@@ -183,5 +186,5 @@ class Ledger:
 def _line(row: Sequence[object]) -> str:
     """A row as a line of a CSV file."""
     line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(row)
+    csv.writer(line, lineterminator="\n").writerow(neutral_row(row))
     return line.getvalue()

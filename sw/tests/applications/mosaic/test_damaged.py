@@ -52,15 +52,15 @@ def test_names_are_data(made: tuple[Path, Path, dict[str, bytes]]) -> None:
     assert all(name.encode() in made[2]["poses.csv"] for name in NAMES)
 
 
-def _lines(change: Callable[[list[bytes]], list[bytes]]) -> Callable[[Path], None]:
+def _lines(change: Callable[[list[bytes]], list[bytes]]) -> Callable[[Path], object]:
     def damage(out: Path) -> None:
         path = out / "frames" / "journal.txt"
         path.write_bytes(b"".join(change(path.read_bytes().splitlines(keepends=True))))
     return damage
 
 
-def _write(name: str, data: bytes) -> Callable[[Path], None]:
-    return lambda out: (out / name).write_bytes(data) and None
+def _write(name: str, data: bytes) -> Callable[[Path], object]:
+    return lambda out: (out / name).write_bytes(data)
 
 
 def _flip(out: Path) -> None:
@@ -78,7 +78,7 @@ def _nan(out: Path) -> None:
     path.write_text("\n".join([head, broken, *rest]) + "\n")
 
 
-DAMAGE: dict[str, tuple[Callable[[Path], None], str]] = {
+DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "bits flipped": (_flip, "damaged rows"),
     "a row lost": (_lines(lambda rows: rows[:4] + rows[5:]), ""),
     "a frame's row lost": (_lines(lambda rows: [row for row in rows if b'["frame",2,' not in row]), ""),
@@ -91,12 +91,12 @@ DAMAGE: dict[str, tuple[Callable[[Path], None], str]] = {
     "run.json deep": (_write("run.json", b"[" * 100_000), "run.json: cannot be read"),
     "run.json empty": (_write("run.json", b""), "run.json: cannot be read"),
     "run.json names others": (lambda out: (out / "run.json").write_text((out / "run.json").read_text().replace(
-        '"poses.csv"', '"../in/0.png"')) and None, ""),
+        '"poses.csv"', '"../in/0.png"')), ""),
     "edges with NaN": (_nan, "edges.csv: differs"),
     "edges lost": (lambda out: (out / "edges.csv").unlink(), ""),
-    "a picture cut": (lambda out: (out / "frames" / "000001.png").write_bytes(b"\x89PNG") and None, "stored again"),
+    "a picture cut": (lambda out: (out / "frames" / "000001.png").write_bytes(b"\x89PNG"), "stored again"),
     "a picture lost": (lambda out: (out / "frames" / "000001.png").unlink(), "stored again"),
-    "another picture": (lambda out: shutil.copy(out / "frames/000000.png", out / "frames/000003.png") and None,
+    "another picture": (lambda out: shutil.copy(out / "frames/000000.png", out / "frames/000003.png"),
                         "stored again"),
     "a half file": (_write("frames/.part-000002.png", b"\x89PNG"), ""),
 }
