@@ -13,15 +13,22 @@ class Table:
     """A CSV file of whole rows: after each `write` it is complete on disk, so a run that is stopped keeps its rows."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self._path = path
         self._file = path.open("w", newline="", encoding="utf-8")
         self._rows = csv.writer(self._file)
         self.write(columns)
 
     def write(self, row: Sequence[object]) -> None:
         """Append a row and flush the file."""
-        self._rows.writerow(neutral_row(row))
-        self._file.flush()
+        try:
+            self._rows.writerow(neutral_row(row))
+            self._file.flush()
+        except OSError as error:  # a failing write does not name its file
+            raise OSError(error.errno, error.strerror, str(self._path)) from error
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        try:
+            self._file.close()
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(self._path)) from error
