@@ -7,7 +7,8 @@ package slog_pkg;
   localparam int unsigned ScoreW = 15;
   localparam logic [ScoreW-1:0] NoScore = '1;
 
-  // Why a job was refused; a refused job yields a result with this status and no scores.
+  // Outcome of a job's check: Ok, or the first reason for refusal in this order. A refused job yields a result with its
+  // status and no scores.
   typedef enum logic [2:0] {
     StatusOk        = 3'd0,
     StatusBadWindow = 3'd1,  // width or height outside MinWindow..MaxWindow

@@ -24,7 +24,7 @@ class AxilMaster:
     """Call `drive` for a clock's inputs, `observe` with its outputs.
 
     Args:
-        ready: willingness of the response channels, clock by clock.
+        ready: whether the response channels are ready, clock by clock.
         overlap: accesses under way at once; 1 keeps the order of reads and writes among each other.
     """
 

@@ -9,7 +9,7 @@ from itertools import cycle, repeat
 SHAPES = ("none", "cyclic", "random", "long")
 
 
-def willing(shape: str, rng: random.Random) -> Iterator[int]:
+def ready_pattern(shape: str, rng: random.Random) -> Iterator[int]:
     """Endless stream of `shape`: always 1; 1110 over and over; a fair coin; long runs of either.
 
     Raises:

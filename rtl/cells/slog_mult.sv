@@ -39,5 +39,7 @@ module slog_mult (
   end
   assign p_o = 36'(p_q2);
 
-  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, en_i |-> b_i == $past(b_i) && b_i == $past(b_i, 2))
+  `SLOG_PAST(past_b, b_i)
+  `SLOG_PAST(past_b2, past_b)
+  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, !en_i || (b_i == past_b && b_i == past_b2))
 endmodule : slog_mult

@@ -2,6 +2,7 @@
 //
 // Latency    : count_o includes an event two clocks after it.
 // Throughput : one event of each kind per clock.
+// Reset      : rst_i is held for 1 clock or more.
 module slog_counters #(
     parameter  int unsigned Events = 10,
     localparam int unsigned Bits   = 32

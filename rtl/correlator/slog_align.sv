@@ -11,6 +11,7 @@
 // Throughput : one word per clock.
 // Rule       : the words of a row arrive in consecutive clocks. In the clock after the last word in_data_i
 //              need not belong to the row: output bits past the row's last store word are undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_align #(
     parameter  int unsigned Width   = 64,

@@ -7,6 +7,7 @@
 // Throughput : one score per clock while a pass has no more steps than offsets.
 // Counters   : busy_o is high from two clocks after a job is offered until two clocks after its last step; score_o is
 //              high for one clock for every score, one clock after the score leaves the array.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_correlator
   import slog_pkg::*, slog_fetch_pkg::*;

@@ -17,6 +17,7 @@
 // Rules      : a row is loaded as soon as the ring has room for it; all rows of the ring are used.
 //              slot_busy_o marks the slots of the present job from the second clock after the job is taken (when the
 //              check reads slot_valid_i as registered in the clock before) until after its last read.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_fetch
   import slog_pkg::*, slog_fetch_pkg::*, slog_store_pkg::*;

@@ -11,6 +11,7 @@
 //   6    border pixel       (5) picked_i of all banks, replace_i
 //   7    window_o
 // Throughput : one column per clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_line_bank #(
     parameter  int unsigned MaxWidth = 48,

@@ -8,6 +8,7 @@
 // Latency    : 7 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window, which is undefined in other clocks.
 // Throughput : one pixel per clock; the same column is repeated after 4 clocks at the earliest.
 // Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_line_buffer #(
     parameter  int unsigned MaxWidth = 48,

@@ -234,6 +234,14 @@ module slog_csr (
             struct {
                 logic next;
                 logic load_next;
+            } abort_0;
+            struct {
+                logic next;
+                logic load_next;
+            } abort_1;
+            struct {
+                logic next;
+                logic load_next;
             } go;
         } filter;
         struct {
@@ -415,6 +423,12 @@ module slog_csr (
             } go;
         } coef;
         struct {
+            struct {
+                logic value;
+            } abort_0;
+            struct {
+                logic value;
+            } abort_1;
             struct {
                 logic value;
             } go;
@@ -684,6 +698,58 @@ module slog_csr (
         end
     end
     assign hwif_out.coef.go.value = field_storage.coef.go.value;
+    // Field: slog_csr.filter.abort_0
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.filter.abort_0.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.filter) begin // SW write
+            next_c = (field_storage.filter.abort_0.value & ~decoded_wr_biten[16:16]) | (decoded_wr_data[16:16] & decoded_wr_biten[16:16]);
+            load_next_c = '1;
+        end else begin // singlepulse clears back to 0
+            next_c = '0;
+            load_next_c = '1;
+        end
+        field_combo.filter.abort_0.next = next_c;
+        field_combo.filter.abort_0.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(rst) begin
+            field_storage.filter.abort_0.value <= 1'h0;
+        end else begin
+            if(field_combo.filter.abort_0.load_next) begin
+                field_storage.filter.abort_0.value <= field_combo.filter.abort_0.next;
+            end
+        end
+    end
+    assign hwif_out.filter.abort_0.value = field_storage.filter.abort_0.value;
+    // Field: slog_csr.filter.abort_1
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.filter.abort_1.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.filter) begin // SW write
+            next_c = (field_storage.filter.abort_1.value & ~decoded_wr_biten[17:17]) | (decoded_wr_data[17:17] & decoded_wr_biten[17:17]);
+            load_next_c = '1;
+        end else begin // singlepulse clears back to 0
+            next_c = '0;
+            load_next_c = '1;
+        end
+        field_combo.filter.abort_1.next = next_c;
+        field_combo.filter.abort_1.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(rst) begin
+            field_storage.filter.abort_1.value <= 1'h0;
+        end else begin
+            if(field_combo.filter.abort_1.load_next) begin
+                field_storage.filter.abort_1.value <= field_combo.filter.abort_1.next;
+            end
+        end
+    end
+    assign hwif_out.filter.abort_1.value = field_storage.filter.abort_1.value;
     // Field: slog_csr.filter.go
     always_comb begin
         automatic logic [0:0] next_c;
@@ -1473,7 +1539,7 @@ module slog_csr (
             readback_data_var[31:0] = 32'h534c4f47;
         end
         if(rd_mux_addr == 8'h4) begin
-            readback_data_var[15:0] = 16'h0;
+            readback_data_var[15:0] = 16'h1;
             readback_data_var[31:16] = 16'h1;
         end
         if(rd_mux_addr == 8'h8) begin

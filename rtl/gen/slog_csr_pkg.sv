@@ -406,9 +406,19 @@ package slog_csr_pkg;
 
     typedef struct {
         logic value;
+    } slog_csr__filter__abort_0__out_t;
+
+    typedef struct {
+        logic value;
+    } slog_csr__filter__abort_1__out_t;
+
+    typedef struct {
+        logic value;
     } slog_csr__filter__go__out_t;
 
     typedef struct {
+        slog_csr__filter__abort_0__out_t abort_0;
+        slog_csr__filter__abort_1__out_t abort_1;
         slog_csr__filter__go__out_t go;
     } slog_csr__filter__out_t;
 

@@ -4,6 +4,7 @@
 //
 // Latency    : row_ready_o is low in the clock after a grant and reflects the grant from the second clock on.
 // Throughput : a grant in every other clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_room #(
     parameter int unsigned Depth      = 1024,
@@ -43,5 +44,5 @@ module slog_peak_room #(
 
   `SLOG_ASSERT(SlogPeakRoomHeld, held_q <= HeldW'(Depth))
   `SLOG_ASSERT(SlogPeakRoomOffsets, !grant || (row_offsets_i != '0 && 32'(row_offsets_i) <= MaxOffsets))
-  `SLOG_ASSERT(SlogPeakRoomApart, grant |=> !row_ready_o)
+  `SLOG_ASSERT_NEXT(SlogPeakRoomApart, grant, !row_ready_o)
 endmodule : slog_peak_room

@@ -6,6 +6,7 @@
 // Latency    : out_valid_o three clocks after in_valid_i with in_last_i.
 // Throughput : one sample per clock, rows back to back, gaps allowed. A row of one sample has first and last together.
 // Formats    : values and indices unsigned; indices never fall within a row.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_running_max
   import slog_compare_pkg::*;

@@ -12,6 +12,7 @@
 //              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command takes effect after 2
 //              clocks, when armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_capture #(
     parameter  int unsigned Cameras     = 2,

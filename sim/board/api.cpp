@@ -34,9 +34,15 @@ void slog_tick(Board* b, uint64_t clocks) {
   for (uint64_t k = 0; k < clocks; ++k) b->clock.tick();
 }
 
-// Everything that was queued is forgotten, by the driver too.
+// Resets the board and clears the host-side queues.
 void slog_reset(Board* b) {
   b->clock.reset();
+  b->driver.start();
+}
+
+// The same after a reset of `clocks` clocks, but the cameras go on sending what was queued for them.
+void slog_restart(Board* b, int clocks) {
+  b->clock.restart(clocks);
   b->driver.start();
 }
 

@@ -17,6 +17,9 @@ int slog_set_filter(Driver* d, const int32_t* g, const int32_t* g2, int count, i
   return d->set_filter(g, g2, count, width, height, timeout) ? 0 : kTimeout;
 }
 
+int slog_wait_filter(Driver* d, uint64_t timeout) { return d->wait_filter(timeout) ? 0 : kTimeout; }
+uint32_t slog_abort_frames(Driver* d) { return d->abort_frames(); }
+
 int slog_arm(Driver* d, int camera, int slot) { return d->arm(camera, slot); }
 void slog_disarm(Driver* d, int camera) { d->disarm(camera); }
 int slog_wait_captured(Driver* d, uint32_t cameras, uint64_t timeout) {

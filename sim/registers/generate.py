@@ -13,6 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from sim.lint.spdx import without
 from sim.registers.retime import retimed
 from sim.toolchain import ROOT, RTL
 
@@ -53,7 +54,7 @@ def _content(path: Path) -> object:
             return list(base.iterdump())
         finally:
             base.close()
-    return path.read_text()
+    return without(path.read_text())
 
 
 def main(argv: list[str]) -> int:

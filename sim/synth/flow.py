@@ -31,7 +31,7 @@ from sim.toolchain import SYNTHESIS, TOP
 FLOORPLANS = Path(__file__).with_name("floorplans")
 DEVICE = "LFE5U-85F-6"
 EBR_LIMIT_MHZ = 212.0
-"""Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
+"""Highest clock of a block RAM at speed grade 6, MHz, which nextpnr does not check."""
 
 
 def _floorplan(top: str, config: str, folder: Path) -> None:

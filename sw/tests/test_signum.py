@@ -1,4 +1,4 @@
-"""`import signum`: quick, and with every name it promises."""
+"""`import signum` is quick and provides every name in `__all__`."""
 
 import ast
 import subprocess

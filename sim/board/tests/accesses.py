@@ -79,7 +79,7 @@ def record() -> list[str]:
     return lines
 
 
-class Replay:
+class AccessReplay:
     """The board's side of a log: answers reads as recorded, and raises an error where an access differs."""
 
     def __init__(self, lines: list[str]) -> None:

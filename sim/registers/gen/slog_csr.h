@@ -20,7 +20,7 @@ extern "C" {
 #define SLOG_CSR__VERSION__MINOR_bm 0xffff
 #define SLOG_CSR__VERSION__MINOR_bp 0
 #define SLOG_CSR__VERSION__MINOR_bw 16
-#define SLOG_CSR__VERSION__MINOR_reset 0x0
+#define SLOG_CSR__VERSION__MINOR_reset 0x1
 #define SLOG_CSR__VERSION__MAJOR_bm 0xffff0000
 #define SLOG_CSR__VERSION__MAJOR_bp 16
 #define SLOG_CSR__VERSION__MAJOR_bw 16
@@ -127,6 +127,14 @@ extern "C" {
 #define SLOG_CSR__FILTER__ACTIVE_bm 0x300
 #define SLOG_CSR__FILTER__ACTIVE_bp 8
 #define SLOG_CSR__FILTER__ACTIVE_bw 2
+#define SLOG_CSR__FILTER__ABORT_0_bm 0x10000
+#define SLOG_CSR__FILTER__ABORT_0_bp 16
+#define SLOG_CSR__FILTER__ABORT_0_bw 1
+#define SLOG_CSR__FILTER__ABORT_0_reset 0x0
+#define SLOG_CSR__FILTER__ABORT_1_bm 0x20000
+#define SLOG_CSR__FILTER__ABORT_1_bp 17
+#define SLOG_CSR__FILTER__ABORT_1_bw 1
+#define SLOG_CSR__FILTER__ABORT_1_reset 0x0
 #define SLOG_CSR__FILTER__GO_bm 0x80000000
 #define SLOG_CSR__FILTER__GO_bp 31
 #define SLOG_CSR__FILTER__GO_bw 1

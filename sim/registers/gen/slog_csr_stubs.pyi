@@ -131,6 +131,8 @@ class slog_csr_Group(RALGroup):
             busy: int
             size_error: int
             active: int
+            abort_0: int
+            abort_1: int
             go: int
         def read_fields(self) -> filter_RV: ...
         @contextmanager
@@ -140,6 +142,8 @@ class slog_csr_Group(RALGroup):
         busy: RALField
         size_error: RALField
         active: RALField
+        abort_0: RALField
+        abort_1: RALField
         go: RALField
     class capture_Reg(RALRegister):
         class capture_RV(RegValue):

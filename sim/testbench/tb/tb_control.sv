@@ -28,6 +28,7 @@ module tb_control
     input  logic                           s_axil_rready,
     // front ends
     output logic [Cameras-1:0]             hold_o,
+    output logic [Cameras-1:0]             abort_o,
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,

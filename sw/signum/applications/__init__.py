@@ -1,0 +1,1 @@
+"""Applications of the measurements: mosaics, mosaic navigation, station keeping, object following; and their PID."""

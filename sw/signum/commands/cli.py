@@ -8,6 +8,7 @@ import sys
 import typer
 
 from signum.commands.app import app
+from signum.commands.signals import listen
 
 COMMANDS = ("demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate", "stereo",
             "track")
@@ -23,6 +24,7 @@ def application(*commands: str) -> typer.Typer:
 
 def main() -> None:
     """Run the command line."""
+    listen()
     asked = [name for name in sys.argv[1:2] if name in COMMANDS]
     try:
         application(*asked)()

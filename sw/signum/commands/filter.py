@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import cv2
 import typer
 
 from signum.commands.app import command
 from signum.commands.options import BoardOptions, OutOption
 from signum.commands.session import Session
+from signum.common.files import write_picture
 from signum.frames.frame import read_picture
 from signum.report.draw import stage_panel
 
@@ -28,12 +28,12 @@ def filter_(
     Example: `signum filter seabed.png --sigma 2 --out out/filter`
     """
     picture = read_picture(image)
-    with Session(board, output) as run:
+    with Session("filter", board, output) as run:
         fit = run.fit_to((picture.shape[1], picture.shape[0]), str(image))
         measurer, shown = run.measurer(fit.board), fit.show(picture)
         signs = measurer.signs(measurer.view(shown))
-        cv2.imwrite(str(run.output / "sign.png"), signs * 255)
-        cv2.imwrite(str(run.output / "stages.png"), stage_panel(shown, signs, board.sigma))
+        write_picture(run.file("sign.png"), signs * 255)
+        write_picture(run.file("stages.png"), stage_panel(shown, signs, board.sigma))
         run.tell("")
         run.summary = lambda: (f"{output / 'sign.png'}: {signs.shape[1]}x{signs.shape[0]}, "
                                f"{100 * signs.mean():.1f} % white")

@@ -5,16 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import cv2
 import numpy as np
 import typer
 
 from signum.commands.app import command
 from signum.commands.options import BoardOptions, CalibrationOption, OutOption, SourceArgument
 from signum.commands.session import Session
+from signum.common.files import write_picture
 from signum.frames.frame import Frame
-from signum.measure.flow import FlowField, draw_flow, measure_flow
+from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
+from signum.report.draw import draw_flow
 from signum.report.movie import Movie
 from signum.report.rows import flow_rows
 from signum.tables.schemas import FLOW
@@ -41,11 +42,9 @@ def flow(
     Example: `signum flow dive.mp4 --step 24 --out out/flow`
     """
     shares: list[float] = []
-    with Session(board, output, source, calibration) as run:
+    with Session("flow", board, output, source, calibration) as run:
         fit, measurer = run.fit, run.measurer(run.fit.board)
-        for old in run.output.glob("flow_*.png"):
-            old.unlink()
-        table, movie = run.table("flow.csv", FLOW), Movie(run.output / "flow.mp4")
+        table, movie = run.table("flow.csv", FLOW), Movie(run.file("flow.mp4"))
         run.at_end(movie.close)
         run.summary = lambda: f"{output / 'flow.csv'}: {run.done} frames" + (
             f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow")
@@ -62,7 +61,7 @@ def flow(
                 shown = draw_flow(fit.show(last[0].picture), field)
                 movie.write(shown)
                 if run.done % pictures == 1 % pictures:
-                    cv2.imwrite(str(output / f"flow_{last[0].name}.png"), shown)
+                    write_picture(run.file(f"flow_{last[0].name}.png"), shown)
                 shares.append(float(field.valid.mean()))
                 run.report = run.report_folder
             last = frame, live

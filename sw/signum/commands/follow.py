@@ -53,7 +53,8 @@ class FollowSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames instead: "
-        "video, folder of pictures, .npy array, camera number; segmented by motion, or with --right by range.")] = None
+        "video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE; segmented by motion, or "
+        "with --right by range.")] = None
     right: Annotated[str | None, typer.Option(
         "--right", rich_help_panel=SOURCE, show_default=False, help="The right camera's frames, for range; needs "
         "--calibration.")] = None
@@ -61,7 +62,7 @@ class FollowSource:
         "--calibration", rich_help_panel=SOURCE, show_default=False, help="OpenCV YAML of the stereo pair (K1 D1 K2 D2 "
         "R T).")] = None
     nearer: Annotated[float, typer.Option("--nearer", rich_help_panel=SOURCE, min=0.2,
-                                          help="What is nearer than this is fish, metres.")] = 4.0
+                                          help="Objects nearer than this are taken for fish, metres.")] = 4.0
     rate: Annotated[float, typer.Option("--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0,
                                         help="Frames per second of the source.")] = 10.0
 
@@ -70,8 +71,9 @@ class FollowSource:
 class FollowWorld:
     """The simulated world."""
 
-    where: Annotated[Where, typer.Option("--where", rich_help_panel=SIMULATION,
-                                         help="midwater: segmented by range; terrain: by motion.")] = Where.MIDWATER
+    where: Annotated[Where, typer.Option(
+        "--where", rich_help_panel=SIMULATION, help="midwater: fish segmented by range; terrain: by motion.",
+    )] = Where.MIDWATER
     seed: SeedOption = 0
     darts: Annotated[float | None, typer.Option("--darts", rich_help_panel=SIMULATION, min=1.0, show_default="never",
                                                 help="Second at which the fish darts out of view.")] = None
@@ -102,7 +104,7 @@ def follow(
         raise SignumError("--right and --calibration belong to a --source")
     if (recorded.right is None) != (recorded.calibration is None):
         raise SignumError("range needs both --right and --calibration; leave both out to segment by motion")
-    with Session(BoardOptions(board, sigma, max(LEAST, window or 0)), output, recorded.source) as run:
+    with Session("follow", BoardOptions(board, sigma, max(LEAST, window or 0)), output, recorded.source) as run:
         if recorded.source is None:
             chase = Chase(simulation.where, seconds or 60.0, seed=simulation.seed, window=window,
                           darts=() if simulation.darts is None else (simulation.darts,))
@@ -114,7 +116,7 @@ def follow(
 def _chase(run: Session, chase: Chase, film: bool) -> None:
     """The closed loop."""
     camera, rows = Pinhole(), list[ChaseRow]()
-    record = _record(run, FollowRecord(run.output, True, chase.rate, film, max(2.0, chase.seconds / 6)))
+    record = _record(run, FollowRecord(_claimed(run, film), True, chase.rate, film, max(2.0, chase.seconds / 6)))
 
     def report() -> None:
         figures = judge_chase(rows, chase.rate, min(5.0, chase.seconds / 2))
@@ -150,7 +152,7 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
         eye = RangeEye(measurer, scaled, recorded.nearer, window=window or RANGE_WINDOW)
     count = run.source.count
     total = count if seconds is None else min(round(seconds * rate), count or round(seconds * rate))
-    record = _record(run, FollowRecord(run.output, False, rate, film, max(2.0, (total or 600) / rate / 6)))
+    record = _record(run, FollowRecord(_claimed(run, film), False, rate, film, max(2.0, (total or 600) / rate / 6)))
     how = f"by range, nearer than {recorded.nearer:g} m" if rectifier else "by motion against the scene"
 
     def report() -> None:
@@ -186,6 +188,13 @@ def _pairs(run: Session, other: Source | None, rectifier: Rectifier | None
         yield one.name, tuple(run.fit.show(p) for p in rectifier(one.grey, two.grey))
 
 
+def _claimed(run: Session, film: bool) -> Path:
+    """The folder, with the files of the record claimed."""
+    for name in ("follow.csv", *(["follow.mp4"] if film else [])):
+        run.file(name)
+    return run.folder
+
+
 def _record(run: Session, record: FollowRecord) -> FollowRecord:
     """The record, closed with the run, whose outcome it is."""
     run.at_end(record.close)
@@ -200,4 +209,4 @@ def _word(target: Target) -> str:
 
 
 def _page(run: Session, section: Section) -> None:
-    write_page(run.output / "report.html", "Object following", [section])
+    write_page(run.folder / "report.html", "Object following", [section])

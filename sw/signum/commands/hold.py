@@ -56,7 +56,7 @@ class HoldSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames to measure "
-        "instead: video, folder of pictures, .npy array, camera number.")] = None
+        "instead: video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.")] = None
     calibration: CalibrationOption = None
     focal: Annotated[float | None, typer.Option(
         "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",
@@ -120,7 +120,7 @@ def hold(
     if recorded.source is None and (board.window != BOARD_DEFAULTS.window or recorded.focal or recorded.calibration
                                     or recorded.rate):
         raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
-    with Session(board, output, recorded.source, recorded.calibration) as run:
+    with Session("hold", board, output, recorded.source, recorded.calibration) as run:
         autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink else None)
         if recorded.source is not None:
             _measure(run, recorded, seconds, range_m, autopilot)
@@ -157,7 +157,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
                  f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
         figures = judge_hold_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
         bars = hold_bars(figures)
-        write_page(run.output / "report.html", "Station keeping",
+        write_page(run.folder / "report.html", "Station keeping",
                    [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)])
         for bar in bars:
             out.print(str(bar), markup=False)
@@ -195,7 +195,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
              f"range {range_m:g} m at the start.")
 
     def report() -> None:
-        write_page(run.output / "report.html", "Station keeping",
+        write_page(run.folder / "report.html", "Station keeping",
                    [hold_section("Station keeping, open loop", about, record.series, record.shots)])
 
     pictures = islice(run.frames(), total if seconds is not None else None)
@@ -210,7 +210,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
 
 def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> HoldRecord:
     """The record of a run, closed with it, and the line on its outcome."""
-    record = HoldRecord(run.output, truth, often)
+    record = HoldRecord(run.file("hold.csv").parent, truth, often)
     run.at_end(record.close)
     run.summary = lambda: (f"{run.folder / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading"
                            f"{autopilot.said}; {run.folder / 'report.html'}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
@@ -13,21 +14,27 @@ import typer
 
 from signum.applications.mosaic.accuracy import Track, accuracy_rows, pose_errors, read_track
 from signum.applications.mosaic.georeference import Georeference, ground_by_log, ground_by_range
+from signum.applications.mosaic.journal import SurveyRun
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import CURVED, SurveySettings
-from signum.applications.mosaic.shelf import Shelf, SurveyRun
+from signum.applications.mosaic.shelf import find_survey, has_journal, read_record
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.ways import WAYS
 from signum.commands.app import command
 from signum.commands.options import BoardOptions, CalibrationOption, OutOption
+from signum.commands.outputs import move_aside
 from signum.commands.session import Session
+from signum.commands.signals import shielded
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
+from signum.common.files import replacing
 from signum.geometry.calibration import read_mono
 from signum.measure.register import Registrar
 from signum.tables.schemas import ACCURACY
 from signum.tables.table import Table
 
+MADE = "run.json", "frames/journal.txt", "frames/starts.txt", "edges.csv", "poses.csv", "mosaic.png"
+"""Files that a folder with a survey holds; `starts.txt` is of earlier versions."""
 LIVE_EVERY = 2.0
 """Seconds between two pictures of the growing mosaic."""
 BOARD_DEFAULTS = BoardOptions(sigma=2.5)
@@ -91,14 +98,15 @@ def mosaic(
     ground: GroundOptions = GROUND_DEFAULTS,
     columns: Annotated[TrackKind, typer.Option(
         "--columns", help="auto: any track, all neighbours linked and placed by least squares; single: each frame "
-        "against the one before only; turned: the camera turned in place, loops bend and are made to close.")
+        "against the one before only; turned: as auto, for a camera turned in place, whose distorted loops are closed.")
                        ] = TrackKind.auto,
     truth: Annotated[Path | None, typer.Option(
         "--truth", help="CSV with frame and east_m, north_m (or x_px, y_px), and heading_deg if known: errors of the "
         "poses go to accuracy.csv.")] = None,
     resume: Annotated[bool | None, typer.Option(
-        "--resume/--anew", help="Continue the survey in --out, or start it anew. By default an interrupted survey of "
-        "the same source is continued.", show_default=False)] = None,
+        "--resume/--anew", help="Continue the survey in --out with these frames, from wherever they are; or move --out "
+        "aside, to a name that ends in -1, and start anew. By default the survey of the same source is continued.",
+        show_default=False)] = None,
     live: Annotated[bool, typer.Option("--live/--no-live", help="Write mosaic.png every few seconds as it grows.")
                     ] = True,
 ) -> None:
@@ -108,13 +116,16 @@ def mosaic(
     Example: `signum mosaic survey/ --out out/mosaic`
     """
     settings = CURVED if columns is TrackKind.turned else SurveySettings(loops=columns is TrackKind.auto)
-    session = Session(board, output, source, calibration)
+    session = Session("mosaic", board, output, source, calibration)
     known = None if truth is None else read_track(truth, session.source.label)
     placing = ground.placing(calibration, session.source.label)
     with session as run:
-        survey = Survey(Registrar.on(run.measurer, run.fit, board.window, board.sigma), output,
-                        not run.source.snapshots, settings, run.source.label, _resumes(resume, run, settings),
-                        LIVE_EVERY if live else float("inf"))
+        asked = SurveyRun(run.name, run.fit.source, not run.source.snapshots, board.window, board.sigma,
+                          settings.columns, "" if calibration is None else str(calibration.resolve()))
+        registrar = Registrar.on(run.measurer, run.fit, board.window, board.sigma)
+        resumes = _resumes(resume, run, asked, [p for p in (calibration, truth, ground.navigation) if p is not None])
+        survey = Survey(registrar, output, asked.stream, settings, asked.source, resumes,
+                        LIVE_EVERY if live else float("inf"), asked.calibration)
         survey.results.ground = placing
         _grow(run, survey, known)
     if survey.results.trouble:
@@ -122,39 +133,109 @@ def mosaic(
 
 
 def _grow(run: Session, survey: Survey, known: Track | None) -> None:
-    """All frames, then all neighbours; what was placed is blended and reported, also after an error or an interrupt."""
-    finished = False
+    """All frames, then all neighbours; what was placed is blended and reported, also after a bad frame. After an
+    interrupt, or where a file cannot be written, the pictures are left to the next call."""
+    finished = stopped = False
 
     def close() -> None:
+        if stopped:
+            survey.leave()
+            return
         if run.done > 1:
             notes.print("blending the mosaic")
         survey.close(finished)
         if known is not None and finished:
             _judge(survey, known)
 
+    def report() -> None:
+        if not stopped and survey.shown:
+            run.report_folder()
+            if finished:
+                survey.mark_finished()
+
     run.at_end(close)
-    run.report = run.report_folder
+    run.report = report
     run.summary = lambda: _outcome(survey, run.done, finished and known is not None)
-    for frame in run.steps("mosaic", run.frames(), run.source.count):
-        run.tell(survey.add(frame))
-    survey.settle()
-    with progress("neighbours", None) as tell:
-        for said in survey.finish():
-            tell(said)
-    finished = True
+    try:
+        frames = survey.ordered(run.frames(), run.live)
+        for frame in run.steps("mosaic", frames, run.source.count):
+            with shielded():
+                run.tell(survey.add(frame))
+        if survey.all_before:
+            survey.open_table()
+        for remark in survey.remarks:
+            notes.print(remark)
+        with shielded():
+            survey.settle()
+        with progress("neighbours", None) as tell:
+            looked = survey.finish()
+            while True:
+                with shielded():
+                    said = next(looked, None)
+                if said is None:
+                    break
+                tell(said)
+        finished = True
+    except (KeyboardInterrupt, OSError):
+        stopped = True
+        raise
 
 
-def _resumes(asked: bool | None, run: Session, settings: SurveySettings) -> bool:
-    """Whether to continue the survey in the folder."""
-    if asked is not None:
-        return asked
-    before = Shelf(run.folder).described()
-    here = SurveyRun(run.source.label, run.fit.source, not run.source.snapshots, run.chosen.window, run.chosen.sigma,
-                     settings.columns)
-    if before is None or before[1] or before[0] != here:
+def _resumes(asked: bool | None, run: Session, here: SurveyRun, given: list[Path]) -> bool:
+    """Whether to continue the survey in the folder, which is locked, and moved aside if it is to be started anew.
+
+    Args:
+        asked: by --resume or --anew.
+        run: the session.
+        here: what is asked for.
+        given: files that the survey reads.
+
+    Raises:
+        SignumError: if the folder holds another survey, or files of none, and neither was asked for.
+    """
+    run.lock()
+    folder = run.folder
+    before = find_survey(folder)
+    held = [name for name in MADE if (folder / name).exists()]
+    if asked is False:
+        if held:
+            _move_aside(run, given)
         return False
-    notes.print(f"{run.folder}: going on with the survey interrupted there; --anew starts it again")
+    if before is None:
+        if held and asked is None:
+            raise SignumError(f"{folder}: holds {held[0]}, but no survey that can be continued; --anew moves it aside, "
+                              "or choose another --out")
+        return bool(asked)  # which the survey refuses
+    difference = before.differs(here)
+    if difference:
+        raise SignumError(f"{folder}: holds a survey made with {difference}; continue it with the same, or --anew "
+                          "moves it aside")
+    if before.source != here.source and asked is None:
+        raise SignumError(f"{folder}: holds a survey of {before.source}, not of {here.source}; --resume continues it "
+                          "with these frames, --anew moves it aside")
+    if run.live and not has_journal(folder):
+        raise SignumError(f"{folder}: the journal of its survey is lost, and {run.source.label} cannot show the frames "
+                          "again; --anew moves it aside")
+    record = read_record(folder)
+    if record is not None and record[1]:
+        notes.print(f"{folder}: the survey there is finished; frames that are new are added, picture and report made "
+                    "anew")
+    else:
+        notes.print(f"{folder}: going on with the survey interrupted there; --anew starts it again")
     return True
+
+
+def _move_aside(run: Session, given: list[Path]) -> None:
+    """Move the folder aside and make it anew.
+
+    Raises:
+        SignumError: if it contains what the survey reads.
+    """
+    inside = [path for path in (*given, Path(run.name)) if path.resolve().is_relative_to(run.folder.resolve())]
+    if inside:
+        raise SignumError(f"{run.folder}: contains {inside[0]}, so it cannot be moved aside; choose another --out")
+    notes.print(f"{run.folder}: what it holds is now in {move_aside(run.folder)}")
+    run.lock()
 
 
 def _scaled(range_m: float, focal: float, poses: list[Pose], centre: tuple[float, float]) -> Georeference:
@@ -164,8 +245,7 @@ def _scaled(range_m: float, focal: float, poses: list[Pose], centre: tuple[float
 def _judge(survey: Survey, truth: Track) -> None:
     """Write `accuracy.csv`: errors of the largest component, by the ways its frames can be placed."""
     piece = survey.ranked()[0]
-    table = Table(survey.out / "accuracy.csv", ACCURACY)
-    try:
+    with replacing(survey.ledger.shelf.make("accuracy.csv")) as half, closing(Table(half, ACCURACY)) as table:
         for way, place in WAYS.items():
             poses = place(survey.ledger, piece)
             if poses:
@@ -175,8 +255,6 @@ def _judge(survey: Survey, truth: Track) -> None:
                 if way == "all links":
                     for line in table_rows:
                         out.print(f"{line[1]}: RMS {line[3]} {line[2]}, median {line[5]}, most {line[8]}")
-    finally:
-        table.close()
 
 
 def _outcome(survey: Survey, done: int, judged: bool) -> str:
@@ -185,7 +263,7 @@ def _outcome(survey: Survey, done: int, judged: bool) -> str:
     others = [edge for edge in survey.edges if edge.kind not in ("sequence", "live")]
     lines = [f"refused: {edge.frame_a} to {edge.frame_b} ({edge.reason})" for edge in chained if not edge.accepted]
     if len(survey.pieces) > 1:
-        lines.append(f"the chain broke: {len(survey.pieces)} pieces, of which mosaic.png and poses.csv are the largest")
+        lines.append(f"the chain broke: {len(survey.pieces)} components; mosaic.png and poses.csv are of the largest")
     stored = {edge.frame_b for edge in chained if edge.accepted and edge.kind == "sequence"}
     chained = [edge for edge in chained if edge.kind == "sequence" or edge.frame_b not in stored]
     lines.append(f"{survey.out / 'mosaic.png'}: {done} frames, {sum(k.accepted for k in chained)} of {len(chained)} "

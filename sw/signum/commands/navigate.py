@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
@@ -9,7 +10,6 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated
 
-import cv2
 import numpy as np
 import typer
 
@@ -20,9 +20,11 @@ from signum.applications.navigate.localise import Localiser
 from signum.applications.navigate.place import ANY_HEADING, LocaliseLimits, Place
 from signum.commands.app import command
 from signum.commands.options import SIMULATION, BoardOptions, CalibrationOption, OutOption, SeedOption
+from signum.commands.outputs import lock
 from signum.commands.session import Session
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
+from signum.common.files import write_picture
 from signum.frames.fit import Fit
 from signum.tables.schemas import GOTO, NAVIGATE
 
@@ -88,7 +90,7 @@ def navigate(
     """
     if (simulation.simulate is None) == (source is None):
         raise SignumError("give a SOURCE of recorded frames, or --simulate pan-tilt (or vehicle)")
-    with Session(board, output, source, calibration) as run:
+    with Session("navigate", board, output, source, calibration) as run:
         if simulation.simulate is not None:
             _simulated(run, simulation.simulate, simulation.seed, mosaic, goto)
         else:
@@ -99,11 +101,11 @@ class _Log:
     """The tables and the picture of a run, written frame by frame, and the report at its end."""
 
     def __init__(self, run: Session, chart: Chart, target: tuple[float, float] | None) -> None:
-        (run.output / "goto.csv").unlink(missing_ok=True)
         self.chart, self.target = chart, target
         self._run = run
         self._table = run.table("navigate.csv", NAVIGATE)
         self._goto = run.table("goto.csv", GOTO) if target else None
+        self._path = run.file("path.png")
         self.places: list[Place] = []
         self._size = (0, 0)
         run.at_end(self.draw)
@@ -128,7 +130,7 @@ class _Log:
             centres = [p.centre for p in self.places]
             last = self.places[-1].similarity
             shown = draw_path(self.chart, centres, last, self._size, self.target)
-            cv2.imwrite(str(self._run.output / "path.png"), shown)
+            write_picture(self._path, shown)
 
 
 def _recorded(run: Session, chart: Chart, goto: str | None, search: SearchOptions) -> None:
@@ -158,6 +160,8 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
         raise SignumError(f"{mosaic}: holds a mosaic that was not simulated; give another folder for the simulated one")
     site = PanTiltSite(PanTiltScene(seed=seed)) if carrier is Carrier.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
+    if mosaic.resolve() != run.folder.resolve():
+        run.at_end(partial(os.close, lock(mosaic)))
     (mosaic / SIMULATED).write_text(f"{carrier}, seed {seed}\n", encoding="utf-8")
     notes.print(f"simulated {carrier}, seed {seed}")
     with progress("survey", None) as tell:
@@ -179,7 +183,7 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
 
     for step in run.steps("look at that", way, None):
         log.write(str(next(names)), size, step.aim)
-        cv2.imwrite(str(run.output / "view.png"), step.frame)
+        write_picture(run.file("view.png"), step.frame)
         run.summary = partial(outcome, step)
         run.tell(_word(step.aim))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -10,6 +11,7 @@ import numpy as np
 
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
+from signum.common.files import write_picture
 from signum.tables.table import Table
 from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.scenes import Still
@@ -19,13 +21,14 @@ class Reel:
     """Writes frames as video or pictures, and `truth.csv`; complete after every frame but for a video, whose end
     `close` writes."""
 
-    def __init__(self, folder: Path, rate: float, pictures: bool, columns: list[str]) -> None:
-        self.folder, self.rate, self.pictures = folder, rate, pictures
+    def __init__(self, file: Callable[[str], Path], rate: float, pictures: bool, columns: list[str]) -> None:
+        self.rate, self.pictures = rate, pictures
+        self._file = file
         self.names: list[str] = []
         self.count = 0
-        self._writers: list[cv2.VideoWriter] = []
+        self._writers: list[tuple[cv2.VideoWriter, Path, Path]] = []
         self._columns = columns
-        self._table = Table(folder / "truth.csv", ["frame", "time_s", *columns])
+        self._table = Table(file("truth.csv"), ["frame", "time_s", *columns])
 
     def add(self, still: Still) -> None:
         """Write the frames and the truth of a moment."""
@@ -35,9 +38,11 @@ class Reel:
                 self.names.append(name)
                 self._open(name, frame)
             if self.pictures:
-                cv2.imwrite(str(self.folder / side / f"{self.count:05d}.png"), frame)
+                path = self._file(f"{side}/{self.count:05d}.png")
+                path.parent.mkdir(exist_ok=True)
+                write_picture(path, frame)
             else:
-                self._writers[self.names.index(name)].write(frame)
+                self._writers[self.names.index(name)][0].write(frame)
         frame_name = f"{self.count:05d}" if self.pictures else str(self.count)
         self._table.write([frame_name, f"{still.time:.3f}",
                            *("" if math.isnan(still.truth[c]) else f"{still.truth[c]:.5f}" for c in self._columns)])
@@ -45,22 +50,21 @@ class Reel:
 
     def _open(self, name: str, frame: Image) -> None:
         if self.pictures:
-            folder = self.folder / name
-            folder.mkdir(exist_ok=True)
-            for old in folder.glob("*.png"):  # from an earlier, longer run
-                old.unlink()
             return
+        path = self._file(name)
+        half = path.with_name(f".part-{name}")  # a video is no video before its end is written
         size = frame.shape[1], frame.shape[0]
-        self._writers.append(cv2.VideoWriter(str(self.folder / name), cv2.VideoWriter.fourcc(*"mp4v"), self.rate, size,
-                                             isColor=False))
-        if not self._writers[-1].isOpened():
-            raise SignumError(f"{self.folder / name}: this OpenCV writes no MP4; use --pictures")
+        writer = cv2.VideoWriter(str(half), cv2.VideoWriter.fourcc(*"mp4v"), self.rate, size, isColor=False)
+        if not writer.isOpened():
+            raise SignumError(f"{path}: this OpenCV writes no MP4; use --pictures")
+        self._writers.append((writer, half, path))
 
     def close(self) -> None:
         """Finish the files."""
         self._table.close()
-        for writer in self._writers:
+        for writer, half, path in self._writers:
             writer.release()
+            half.replace(path)
 
 
 def write_calibration(path: Path, camera: Pinhole) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from signum.commands.app import command
+from signum.commands.outputs import locked
 from signum.common.console import out
 
 
@@ -21,5 +22,6 @@ def report(
     """
     from signum.report.folder import write_report  # plots take seconds to load
 
-    write_report(folder)
+    with locked(folder):
+        write_report(folder)
     out.print(f"{folder / 'report.html'}: open it in a browser")

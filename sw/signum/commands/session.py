@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import cached_property
@@ -13,11 +14,13 @@ from typing import Self, TypeVar
 from signum.boards import open_board
 from signum.boards.board import Board
 from signum.commands.options import BoardName, BoardOptions
+from signum.commands.outputs import Outputs, identity, lock
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source
 from signum.measure.measurer import Measurer
+from signum.sources.files import CameraSource
 from signum.sources.open import open_source
 from signum.tables.table import Table
 
@@ -33,6 +36,7 @@ class Session:
     Unless an error ended the run, it then prints what the board did and what was written.
 
     Args:
+        command: its name, under which the files it makes are recorded.
         chosen: the board, its filter and window.
         folder: for the files that are written.
         source: what the user named as the source of frames, None for none.
@@ -40,6 +44,7 @@ class Session:
 
     Attributes:
         board: the open board.
+        name: of the source, whatever the spelling it was given in; empty for none.
         done: frames finished so far.
         report: writes the report; None as long as there is nothing to report.
         summary: the line on what was written; None for none.
@@ -50,9 +55,10 @@ class Session:
 
     board: Board
 
-    def __init__(self, chosen: BoardOptions, folder: Path, source: str | None = None, calibration: Path | None = None,
-                 ) -> None:
-        self.chosen, self.folder = chosen, folder
+    def __init__(self, command: str, chosen: BoardOptions, folder: Path, source: str | None = None,
+                 calibration: Path | None = None) -> None:
+        self.command, self.chosen, self.folder = command, chosen, folder
+        self.name = "" if source is None else identity(source)
         self._source = None if source is None else open_source(source, calibration)
         self.done = 0
         self.report: Callable[[], object] | None = None
@@ -83,11 +89,26 @@ class Session:
         assert self._source is not None
         return self._source
 
+    @property
+    def live(self) -> bool:
+        """Whether the source's frames cannot be had again."""
+        return self._source is not None and isinstance(getattr(self._source, "source", self._source), CameraSource)
+
     @cached_property
-    def output(self) -> Path:
-        """The folder for what is written, made on first use."""
+    def outputs(self) -> Outputs:
+        """The folder for what is written, made and locked on first use."""
+        made = Outputs(self.folder, self.command, self.name, self.live)
+        self._powered.callback(made.close)
+        return made
+
+    def file(self, name: str) -> Path:
+        """The path of a file in the folder that the command is going to write; see `Outputs.file`."""
+        return self.outputs.file(name)
+
+    def lock(self) -> None:
+        """Lock the folder until the session's end, without a record of the files in it; made if missing."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        return self.folder
+        self._powered.callback(os.close, lock(self.folder))
 
     @cached_property
     def first(self) -> Frame:
@@ -131,11 +152,13 @@ class Session:
     def tell(self, state: str) -> None:
         """Count a finished frame; the progress line shows `state`."""
         self.done += 1
+        if self.done == 1 and self.report == self.report_folder:
+            import signum.report.folder  # noqa: F401  # now, as a command that is stopped has little time
         self._tell(state)
 
     def table(self, name: str, columns: Sequence[str]) -> Table:
         """A table in the folder, closed on leaving."""
-        table = Table(self.output / name, columns)
+        table = Table(self.file(name), columns)
         self.at_end(table.close)
         return table
 
@@ -151,7 +174,7 @@ class Session:
         """Write `report.html` from the tables and pictures in the folder."""
         from signum.report.folder import write_report  # plots take seconds to load
 
-        write_report(self.output)
+        write_report(self.folder)
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -17,6 +18,7 @@ from signum.applications.follow.simulate import Chase, simulate_chase
 from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.commands.app import command
 from signum.commands.options import OUTPUT, SIMULATION, BoardName, OutOption, SeedOption
+from signum.commands.outputs import Outputs
 from signum.commands.reel import Reel, write_calibration
 from signum.commands.session import board_of
 from signum.common.console import out, progress
@@ -42,7 +44,7 @@ class Kind(StrEnum):
 
 
 class WaterName(StrEnum):
-    """`sources.simulated.WATERS`, as a choice."""
+    """The waters of `sources.simulated.WATERS`, for the choice on the command line."""
 
     clear = "clear"
     coastal = "coastal"
@@ -86,20 +88,20 @@ def simulate(
     if scene.stereo and kind in (Kind.hold, Kind.terrain):
         raise SignumError(f"{kind} is seen by one camera: leave --stereo out, or take survey, drift or midwater")
     camera = Pinhole()
-    output.mkdir(parents=True, exist_ok=True)
-    write_calibration(output / "calibration.yaml", camera)
-    out.print(f"seed {scene.seed}")
-    reel: Reel | None = None
-    try:
-        with progress("rendering", math.ceil(scene.seconds * scene.rate)) as tell:
-            for still in _stills(kind, camera, scene):
-                reel = reel or Reel(output, scene.rate, pictures, list(still.truth))
-                reel.add(still)
-                tell("")
-    finally:
-        if reel is not None:
-            reel.close()
-            out.print(f"{output}: {reel.count} frames, {' and '.join(reel.names)}, truth.csv, calibration.yaml")
+    with closing(Outputs(output, "simulate")) as outputs:
+        write_calibration(outputs.file("calibration.yaml"), camera)
+        out.print(f"seed {scene.seed}")
+        reel: Reel | None = None
+        try:
+            with progress("rendering", math.ceil(scene.seconds * scene.rate)) as tell:
+                for still in _stills(kind, camera, scene):
+                    reel = reel or Reel(outputs.file, scene.rate, pictures, list(still.truth))
+                    reel.add(still)
+                    tell("")
+        finally:
+            if reel is not None:
+                reel.close()
+                out.print(f"{output}: {reel.count} frames, {' and '.join(reel.names)}, truth.csv, calibration.yaml")
 
 
 def _stills(kind: Kind, camera: Pinhole, scene: SceneOptions) -> Iterator[Still]:

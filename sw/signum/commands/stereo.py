@@ -8,7 +8,6 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated
 
-import cv2
 import numpy as np
 import tifffile
 import typer
@@ -18,10 +17,12 @@ from signum.commands.options import SOURCE, BoardOptions, OutOption
 from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
+from signum.common.files import replacing, write_picture
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
-from signum.measure.stereo import RangeMap, draw_range, measure_range, write_ply
+from signum.measure.stereo import RangeMap, measure_range
+from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
 from signum.sources.open import open_source
 from signum.tables.schemas import DISPARITY
@@ -58,7 +59,8 @@ DISPARITY_DEFAULTS = DisparityOptions()
 @command()
 def stereo(
     left: Annotated[str, typer.Argument(help="Left camera's picture, folder, video or bag.", show_default=False)],
-    right: Annotated[str, typer.Argument(help="The same of the right camera, as many frames.", show_default=False)],
+    right: Annotated[str, typer.Argument(help="Right camera's picture, folder, video or bag, with as many frames "
+                                         "as the left.", show_default=False)],
     calibration: Annotated[Path | None, typer.Option(
         "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the pair (K1 D1 K2 D2 R T image_width "
         "image_height, T in metres): rectifies the frames, and gives ranges. Without it the frames must be rectified, "
@@ -78,11 +80,9 @@ def stereo(
     rig = read_stereo(calibration) if calibration is not None else None
     geometry = rig.geometry if rig else None
     shares: list[float] = []
-    session, other = Session(board, output, left), open_source(right)
+    session, other = Session("stereo", board, output, left), open_source(right)
     with session as run:
         pairs = _pairs(run, other, None if rectified else rig)
-        for old in (*run.output.glob("range*.png"), *run.output.glob("range*.tiff"), *run.output.glob("points*.ply")):
-            old.unlink()
         table = run.table("disparity.csv", DISPARITY)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                "valid")
@@ -90,7 +90,7 @@ def stereo(
             measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
             found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
                                   (board.window, board.window), search.step)
-            _write(output, "" if run.source.count == 1 else f"_{name}", run.fit, found, geometry, shown[0])
+            _write(run, "" if run.source.count == 1 else f"_{name}", run.fit, found, geometry, shown[0])
             for line in disparity_rows(name, found.to_source(run.fit), geometry):
                 table.write(line)
             shares.append(float(found.valid.mean()))
@@ -112,15 +112,18 @@ def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple
         yield a.name, rig(*pair) if rig else pair
 
 
-def _write(output: Path, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Image
+def _write(run: Session, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Image
            ) -> None:
     """A pair's map as a picture and as values, and its points where the geometry is known."""
     whole = found.to_source(fit)
     values = whole.disparity if geometry is None else geometry.depth(whole.disparity)
-    cv2.imwrite(str(output / f"range{suffix}.png"), draw_range(found, geometry and geometry.shrunk(fit.factor), shown))
-    tifffile.imwrite(output / f"range{suffix}.tiff", values.astype(np.float32), metadata={
-        "unit": "px of disparity" if geometry is None else "m", "first_x_px": float(whole.x[0]),
-        "first_y_px": float(whole.y[0]), "step_x_px": float(np.diff(whole.x[:2]).sum()),
-        "step_y_px": float(np.diff(whole.y[:2]).sum())})
+    picture = draw_range(found, geometry and geometry.shrunk(fit.factor), shown)
+    write_picture(run.file(f"range{suffix}.png"), picture)
+    with replacing(run.file(f"range{suffix}.tiff")) as half:
+        tifffile.imwrite(half, values.astype(np.float32), metadata={
+            "unit": "px of disparity" if geometry is None else "m", "first_x_px": float(whole.x[0]),
+            "first_y_px": float(whole.y[0]), "step_x_px": float(np.diff(whole.x[:2]).sum()),
+            "step_y_px": float(np.diff(whole.y[:2]).sum())})
     if geometry is not None:
-        write_ply(output / f"points{suffix}.ply", whole.points(geometry))
+        with replacing(run.file(f"points{suffix}.ply")) as half:
+            write_ply(half, whole.points(geometry))

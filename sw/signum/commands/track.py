@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import cv2
 import typer
 
 from signum.commands.app import command
 from signum.commands.options import BoardOptions, CalibrationOption, OutOption, SourceArgument
 from signum.commands.session import Session
+from signum.common.files import write_picture
 from signum.measure.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
 from signum.report.draw import draw_tracks
 from signum.report.rows import drift_row, track_row
@@ -37,15 +37,16 @@ def track(
     missing: dict[int, int] = {}
     points: list[TrackPoint] = []
     measured = valid = 0
-    with Session(board, output, source, calibration) as run:
+    with Session("track", board, output, source, calibration) as run:
         fit = run.fit
         settings = TrackSettings(window=board.window, features=features, precise_px=PRECISE_PX / max(fit.factor))
         tracker = Tracker(run.measurer(fit.board), settings)
         table, drift = run.table("track.csv", TRACK), run.table("drift.csv", DRIFT)
+        picture = run.file("track.png")
 
         def draw() -> None:
             if points:
-                cv2.imwrite(str(output / "track.png"), draw_tracks(fit.show(frame.picture), points, board.window))
+                write_picture(picture, draw_tracks(fit.show(frame.picture), points, board.window))
 
         run.at_end(draw)
         run.summary = lambda: (f"{output / 'track.csv'}: {run.done} frames, {measured} measurements, {valid} valid")

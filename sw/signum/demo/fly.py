@@ -58,7 +58,7 @@ SENSOR = Water(noise=2.0)
 DRIFT_M_S = 0.1, -0.06
 """The steady current of the tracking run, north and east, m/s."""
 SURGE_PERIOD = 8.0
-"""Of all currents, seconds."""
+"""Period of the surge of all currents, seconds."""
 HOLD_RATE = 10.0
 """Frames a second for which the station keeper's gains are tuned."""
 

@@ -11,7 +11,7 @@ from signum.common.arrays import Image
 
 
 class Movie:
-    """An MP4 file; its size is the first frame's, made even.
+    """An MP4 file; its size is the first frame's, made even. It appears when it is closed.
 
     Args:
         path: of the file.
@@ -22,13 +22,14 @@ class Movie:
         self.path, self.rate = path, rate
         self._writer: cv2.VideoWriter | None = None
         self._size = (0, 0)
+        self._half = path.with_name(f".part-{path.name}")
         path.unlink(missing_ok=True)
 
     def write(self, frame: Image) -> None:
         """Append a frame, uint8 (H, W) or (H, W, 3) blue, green, red."""
         if self._writer is None:
             self._size = frame.shape[1] // 2 * 2, frame.shape[0] // 2 * 2
-            self._writer = cv2.VideoWriter(str(self.path), cv2.VideoWriter.fourcc(*"mp4v"), self.rate, self._size)
+            self._writer = cv2.VideoWriter(str(self._half), cv2.VideoWriter.fourcc(*"mp4v"), self.rate, self._size)
         colour = frame if frame.ndim == 3 else cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR)
         self._writer.write(np.ascontiguousarray(colour[:self._size[1], :self._size[0]]))
 
@@ -37,3 +38,4 @@ class Movie:
         if self._writer is not None:
             self._writer.release()
             self._writer = None
+            self._half.replace(self.path)

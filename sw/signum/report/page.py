@@ -15,6 +15,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from signum.common.arrays import Image
+from signum.common.files import write_text
 
 matplotlib.use("Agg")
 
@@ -83,9 +84,8 @@ def write_page(path: Path, title: str, sections: Sequence[Section], head: str = 
         head: HTML between the title and the first section.
     """
     body = head + "".join(section.html for section in sections)
-    path.write_text(f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
-                    f"<style>{STYLE}</style></head><body><h1>{html.escape(title)}</h1>{body}</body></html>\n",
-                    encoding="utf-8")
+    write_text(path, f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
+                    f"<style>{STYLE}</style></head><body><h1>{html.escape(title)}</h1>{body}</body></html>\n")
     return path
 
 

@@ -1,4 +1,4 @@
-"""Rows of the tables, made from measurements; `columns.py` reads tables back."""
+"""Rows of the tables, made from measurements; `read_table.py` reads tables back."""
 
 from __future__ import annotations
 

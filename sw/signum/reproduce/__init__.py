@@ -22,5 +22,5 @@ Progress = Callable[[str, int | None], AbstractContextManager[Callable[[str], No
 Maker = Callable[[OpenBoard, Path, int, bool, Progress], list[Section]]
 """(open_board, folder for further files, seed, quick, progress) -> sections with bars.
 
-`quick` asks for a version of a few seconds, for tests: it shows the same, and its bars are judged on less data.
+`quick` selects a version of a few seconds, for tests: it shows the same, and its bars are judged on less data.
 """

@@ -15,10 +15,8 @@ from signum.common.console import notes, out, progress
 from signum.report.page import Section, paragraph, table, write_page
 from signum.reproduce import Maker
 from signum.reproduce.makers import MAKERS
+from signum.tables.schemas import BARS
 from signum.tables.table import Table
-
-BARS = "section", "figure", "measured", "relation", "bound", "met"
-"""Columns of `bars.csv`."""
 
 
 class Page:

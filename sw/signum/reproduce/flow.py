@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from signum.common.arrays import Floats, Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
-from signum.measure.flow import FlowField, draw_flow, measure_flow
+from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer
+from signum.report.draw import draw_flow
 from signum.report.page import Bar, Section, figure, paragraph, row
 from signum.reproduce import OpenBoard, Progress
 from signum.world.camera import Pinhole

@@ -25,7 +25,7 @@ from signum.measure.register import Registrar
 
 METHODS = "a", "b", "c"
 GRID_REACH = 28
-"""Pixels of the board searched around the planned offset: the wobble's few, and some."""
+"""Search range around the planned offset, pixels of the board: several times the wobble."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class MeasuredGrid:
 
 
 def cell_name(cell: Cell) -> str:
-    """Of the frame in a cell."""
+    """Name of the frame in a cell."""
     return f"{cell[0]},{cell[1]}"
 
 

@@ -11,8 +11,9 @@ from signum.common.arrays import Floats, Image
 from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
-from signum.measure.stereo import RangeMap, draw_range, measure_range
+from signum.measure.stereo import RangeMap, measure_range
 from signum.report.page import Bar, Section, figure, paragraph, row, table
+from signum.report.ranges import draw_range
 from signum.reproduce import OpenBoard, Progress
 from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.seafloor import Seafloor

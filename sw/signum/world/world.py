@@ -1,4 +1,4 @@
-"""The world as a whole, and the pictures of a camera in it."""
+"""Renders the finished picture of a camera in the world: seafloor, fish, water, snow and sensor noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an application measures with runs on real frames: only its simulation knows the simulated world."""
+"""Modules that an application measures with run on real frames: only its simulation imports the simulated world."""
 
 from __future__ import annotations
 

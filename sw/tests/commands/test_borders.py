@@ -8,7 +8,8 @@ import os
 import signal
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from signum.commands import filter as filter_command
 from signum.commands.cli import application
 from signum.common.errors import SignumError
 from signum.geometry.calibration import CalibrationError, read_mono, read_stereo
-from signum.report.columns import read_table
+from signum.report.read_table import read_table
 from signum.sources.open import open_source
 from signum.tables.table import Table
 from tests.fuzz.corpus import SIZE, build, calibration, frames
@@ -222,8 +223,10 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path, inputs: Path, victim
             (folder / file.relative_to(inputs / kind)).write_bytes(file.read_bytes())
     path = tmp_path / "in" / victim.split("/", 1)[1]
     path.unlink()
-    {"pipe": lambda: os.mkfifo(path), "device": lambda: path.symlink_to("/dev/zero"), "folder": path.mkdir,
-     "empty": path.touch}[way]()
+    ways: dict[str, Callable[[], object]] = {
+        "pipe": partial(os.mkfifo, path), "device": partial(path.symlink_to, "/dev/zero"), "folder": path.mkdir,
+        "empty": path.touch}
+    ways[way]()
     with pytest.raises(SignumError) as error:
         if kind == "calibration":
             read_mono(path)

@@ -27,7 +27,7 @@ def film(tmp_path: Path) -> Path:
 
 
 def _run(film: Path, end: type[BaseException] | None, calls: list[str]) -> None:
-    with Session(BoardOptions(window=32), film.parent / "out", str(film)) as run:
+    with Session("some", BoardOptions(window=32), film.parent / "out", str(film)) as run:
         run.report = lambda: calls.append("report")
         run.summary = lambda: f"{run.done} frames written"
         table = run.table("some.csv", ["frame"])
@@ -58,7 +58,7 @@ def test_however_it_ends_files_and_report_are_complete(
 
 def test_a_folder_is_made_only_when_something_is_written(film: Path) -> None:
     with pytest.raises(SignumError, match="smaller than the 128x128 window"), Session(
-            BoardOptions(window=128), film.parent / "none", str(film)) as run:
+            "some", BoardOptions(window=128), film.parent / "none", str(film)) as run:
         assert run.fit
     assert not (film.parent / "none").exists()
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from signum.boards.golden import GoldenBoard
-from signum.measure.flow import draw_flow, measure_flow
+from signum.measure.flow import measure_flow
 from signum.measure.measurer import Measurer
+from signum.report.draw import draw_flow
 from signum.world.degrade import degrade
 from signum.world.seafloor import photograph
 

@@ -59,6 +59,9 @@ def draw_target(picture: Image, target: Target) -> Image:
     write_line(canvas, text, 0.45)
     return canvas
 
+HALF = ".part-follow.mp4"
+"""File of a film that is not closed yet."""
+
 
 @dataclass
 class FollowRecord:
@@ -111,7 +114,7 @@ class FollowRecord:
         if self._writer is None:
             size = drawn.shape[1], drawn.shape[0]
             code = cv2.VideoWriter.fourcc(*"mp4v")
-            self._writer = cv2.VideoWriter(str(self.folder / "follow.mp4"), code, self.rate, size)
+            self._writer = cv2.VideoWriter(str(self.folder / HALF), code, self.rate, size)
         self._writer.write(drawn)
 
     def close(self) -> None:
@@ -119,3 +122,4 @@ class FollowRecord:
         self._table.close()
         if self._writer is not None:
             self._writer.release()
+            (self.folder / HALF).replace(self.folder / "follow.mp4")

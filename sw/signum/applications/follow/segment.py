@@ -16,8 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from signum.common.arrays import Floats
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
-from signum.measure.measurer import Rules
 from signum.measure.stereo import RangeMap
+from signum.measure.validity import Rules
 
 Mask = NDArray[np.bool_]
 

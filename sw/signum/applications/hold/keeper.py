@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from signum.applications.hold.loops import Axes, BodyLoops
+from signum.applications.hold.body_pid import Axes, BodyLoops
 from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats

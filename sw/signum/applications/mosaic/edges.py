@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Registration
-from signum.tables.schemas import SURVEY_EDGES
 
 SEQUENCE = "sequence"
 """Kind of an edge to the frame stored last, or one of the few before it."""
@@ -20,7 +16,7 @@ LIVE = "live"
 LOOP = "loop"
 """Kind of an edge proposed from the predicted overlap."""
 JOIN = "join"
-"""Kind of an edge between two pieces."""
+"""Kind of an edge between two components."""
 
 
 @dataclass(frozen=True)
@@ -64,41 +60,11 @@ class Edge:
     @property
     def row(self) -> list[object]:
         """The row of the table."""
-        dx, dy = self.shift
-        return [self.frame_a, self.frame_b, f"{dx:.3f}", f"{dy:.3f}", f"{self.score:.4f}", f"{self.margin:.4f}",
-                int(self.accepted), self.kind, f"{self.similarity.rot_deg:.5f}", f"{self.similarity.scale:.7f}",
-                *(f"{v:.2f}" for v in (*self.middle, self.spread_px, self.rms_px)), self.agreed, self.tried,
-                self.reason]
-
-    @classmethod
-    def read(cls, row: dict[str, str], centre: tuple[float, float]) -> Edge:
-        """From a row of the table.
-
-        Raises:
-            KeyError, ValueError: if it is not one.
-        """
-        turn = Similarity.of(float(row["rot_deg"]), float(row["scale"]))
-        middle = complex(*centre)
-        shift = middle + complex(float(row["dx_px"]), float(row["dy_px"])) - turn.factor * middle
-        return cls(row["frame_a"], row["frame_b"], row["kind"], Similarity(turn.factor, shift), centre,
-                   float(row["score"]), float(row["margin"]), row["accepted"] == "1",
-                   (float(row["middle_x_px"]), float(row["middle_y_px"])), float(row["spread_px"]),
-                   float(row["rms_px"]), int(row["agreed"]), int(row["tried"]), row["reason"])
+        return [self.frame_a, self.frame_b, *map(_whole, (*self.shift, self.score, self.margin)), int(self.accepted),
+                self.kind, *map(_whole, (self.similarity.rot_deg, self.similarity.scale, *self.middle, self.spread_px,
+                                         self.rms_px)), self.agreed, self.tried, self.reason]
 
 
-def read_edges(path: Path, centre: tuple[float, float]) -> list[Edge]:
-    """The rows of a survey's `edges.csv`; a last row cut short by a crash is left out.
-
-    Raises:
-        SignumError: if the file is not such a table.
-    """
-    with path.open(newline="", encoding="utf-8") as file:
-        text = file.read()
-    whole = text[: text.rfind("\n") + 1]
-    rows = csv.DictReader(whole.splitlines())
-    if tuple(rows.fieldnames or ()) != SURVEY_EDGES:
-        raise SignumError(f"{path}: not the edges of a survey; start anew without --resume")
-    try:
-        return [Edge.read(row, centre) for row in rows]
-    except (KeyError, ValueError, TypeError) as error:
-        raise SignumError(f"{path}: a row cannot be read; start anew without --resume") from error
+def _whole(value: float) -> str:
+    """A number with all its bits."""
+    return repr(float(value))

@@ -17,6 +17,7 @@ from signum.applications.mosaic.blend import Mosaic
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Complexes, Image
 from signum.common.errors import SignumError
+from signum.common.files import replacing, write_text
 from signum.geometry.similarity import Similarity
 
 PIXEL_SCALE, TIEPOINT, GEO_KEYS, GEO_TEXT, NO_DATA = 33550, 33922, 34735, 34737, 42113
@@ -75,14 +76,14 @@ def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
     """Scale, rotation and place from a navigation log, without outlying fixes.
 
     Raises:
-        SignumError: if it knows fewer than two of the frames, or is in pixels.
+        SignumError: if it has positions for fewer than two of the frames, or is in pixels.
     """
     known = [p for p in poses if p.frame in log.positions]
     if log.unit != "m":
         raise SignumError("the navigation log gives pixels: it needs metres, columns east_m and north_m")
     if len(known) < 2:
-        raise SignumError(f"the navigation log knows {len(known)} of the placed frames, two are needed: its frames are "
-                          f"called {', '.join(list(log.positions)[:3])}, ..., those of the mosaic "
+        raise SignumError(f"the navigation log has positions for {len(known)} of the placed frames, two are needed: "
+                          f"its frames are called {', '.join(list(log.positions)[:3])}, ..., those of the mosaic "
                           f"{', '.join(p.frame for p in poses[:3])}, ...")
     z = np.array([complex(p.x_px, p.y_px) for p in known])
     w = np.array([log.positions[p.frame] for p in known])
@@ -125,7 +126,7 @@ def world_of(mosaic: Mosaic, geo: Georeference) -> tuple[float, float, float]:
 def write_world_file(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
     """The six numbers that go beside a PNG (`.pgw`)."""
     step, east, north = world_of(mosaic, geo)
-    path.write_text("".join(f"{v:.10f}\n" for v in (step, 0.0, 0.0, -step, east, north)), encoding="ascii")
+    write_text(path, "".join(f"{v:.10f}\n" for v in (step, 0.0, 0.0, -step, east, north)))
 
 
 def write_geotiff(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
@@ -139,9 +140,10 @@ def write_geotiff(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
     # An area's pixel (0, 0) begins half a pixel before its centre.
     tie = (0.0, 0.0, 0.0, east - step / 2, north + step / 2, 0.0)
     picture: Image = mosaic.picture if mosaic.picture.ndim == 2 else np.ascontiguousarray(mosaic.picture[:, :, ::-1])
-    tifffile.imwrite(
-        path, picture, photometric="minisblack" if picture.ndim == 2 else "rgb", compression="zlib", tile=(256, 256),
-        bigtiff=picture.nbytes > 3_000_000_000, metadata=None,
-        extratags=[(PIXEL_SCALE, "d", 3, (step, step, 0.0), True), (TIEPOINT, "d", 6, tie, True),
-                   (GEO_KEYS, "H", len(directory), directory, True), (GEO_TEXT, "s", 0, citation, True),
-                   (NO_DATA, "s", 0, "0", True)])
+    with replacing(path) as half:
+        tifffile.imwrite(
+            half, picture, photometric="minisblack" if picture.ndim == 2 else "rgb", compression="zlib",
+            tile=(256, 256), bigtiff=picture.nbytes > 3_000_000_000, metadata=None,
+            extratags=[(PIXEL_SCALE, "d", 3, (step, step, 0.0), True), (TIEPOINT, "d", 6, tie, True),
+                       (GEO_KEYS, "H", len(directory), directory, True), (GEO_TEXT, "s", 0, citation, True),
+                       (NO_DATA, "s", 0, "0", True)])

@@ -1,4 +1,4 @@
-"""The state of a survey: its pieces, the edges that hold them together, and where these place every frame."""
+"""The state of a survey: its components, the edges that hold them together, and where these place every frame."""
 
 from __future__ import annotations
 
@@ -7,20 +7,22 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TextIO
 
 from signum.applications.mosaic.edges import LIVE, Edge
 from signum.applications.mosaic.graph import Solution, solve_graph
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
-from signum.applications.mosaic.shelf import Shelf
+from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
+from signum.common.files import write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
-from signum.measure.register import Prepared, Registrar
+from signum.measure.register import Registrar, Registration
 from signum.tables.schemas import SURVEY_EDGES
 
 
 @dataclass
 class Piece:
-    """Connected frames; the plane of a piece is that of its first frame.
+    """A component: connected frames, placed in the plane of the first of them.
 
     Attributes:
         stored: frames in the graph, in order.
@@ -59,7 +61,7 @@ class Piece:
 
 
 class Ledger:
-    """Pieces and edges, with a row in `edges.csv` for every edge noted.
+    """Components and edges, with a row in `edges.csv` for every edge noted.
 
     Args:
         registrar: for frames of this size.
@@ -79,81 +81,90 @@ class Ledger:
         self.pieces: list[Piece] = []
         self.edges: list[Edge] = []
         self.partners: dict[str, set[str]] = {}
+        self._table: TextIO | None = None
 
-    def open_table(self, anew: bool) -> None:
-        """Begin to write `edges.csv`, or continue it."""
-        self._table = (self.out / "edges.csv").open("a", newline="", encoding="utf-8")
-        if anew:
-            self._write(SURVEY_EDGES)
+    def open_table(self) -> bool:
+        """Write `edges.csv` with the edges so far, and from now on a row for every edge noted.
+
+        Returns:
+            Whether the rows that were in the file before are among those that are written.
+        """
+        path = self.out / EDGES_FILE
+        rows = [_line(SURVEY_EDGES), *(_line(edge.row) for edge in self.edges)]
+        try:
+            before = path.read_bytes()
+        except OSError:
+            before = b""
+        whole = before[: before.rfind(b"\n") + 1]
+        text = "".join(rows).encode()
+        if text != before:
+            write_bytes(path, text)
+        self._table = path.open("a", newline="", encoding="utf-8")
+        return whole.startswith(text) or text.startswith(whole)
 
     def close_table(self) -> None:
         """Write no more rows."""
-        self._table.close()
+        if self._table is not None:
+            self._table.close()
 
     @property
-    def closed(self) -> bool:
-        """Whether `edges.csv` is complete."""
-        return self._table.closed
+    def opened(self) -> bool:
+        """Whether edges are written to `edges.csv` as they are noted."""
+        return self._table is not None
 
     @property
     def accepted(self) -> list[Edge]:
-        """Accepted edges between stored frames, of all pieces."""
+        """Accepted edges between stored frames, of all components."""
         return [edge for edge in self.edges if edge.accepted and edge.kind != LIVE]
 
     def edges_of(self, piece: Piece) -> list[Edge]:
-        """Accepted edges between stored frames of a piece."""
+        """Accepted edges between stored frames of a component."""
         return [edge for edge in self.accepted if edge.frame_a in piece.places and edge.frame_b in piece.places]
 
     def ranked(self) -> list[Piece]:
-        """The pieces, that with most frames first."""
+        """The components, that with most frames first."""
         return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
     def piece_of(self, name: str) -> Piece:
-        """The piece a stored frame belongs to."""
+        """The component a stored frame belongs to."""
         return next(piece for piece in reversed(self.pieces) if name in piece.places)
 
     def poses(self, piece: Piece) -> list[Pose]:
-        """Poses of a piece's frames, in order."""
+        """Poses of a component's frames, in order."""
         return [Pose.of(name, piece.place(name), self.centre) for name in piece.frames]
 
-    def prepared(self, name: str) -> Prepared:
-        """A stored frame as the board sees it."""
-        return self.shelf.prepared(name, self.registrar)
+    def register(self, a: str, b: str, guess: Similarity | None = None, reach: int | None = None) -> Registration:
+        """Find frame a in frame b, each stored or at work; see `Registrar.register`."""
+        return self.shelf.register(self.registrar, a, b, guess, reach)
 
     def begin(self, name: str) -> Piece:
-        """Begin a piece with a stored frame; its plane is this frame's."""
+        """Begin a component with a stored frame; its plane is this frame's."""
         piece = Piece([name], {name: IDENTITY}, frames=[name])
         self.pieces.append(piece)
         return piece
 
     def note(self, edge: Edge) -> Edge:
-        """Record an edge, also in `edges.csv`."""
-        self.recall(edge)
-        self._write(edge.row)
-        return edge
-
-    def recall(self, edge: Edge) -> None:
-        """Record an edge that is in `edges.csv` already."""
+        """Record an edge, also in `edges.csv` where that is open."""
         self.edges.append(edge)
         if edge.accepted and edge.kind != LIVE:
             self.partners.setdefault(edge.frame_a, set()).add(edge.frame_b)
             self.partners.setdefault(edge.frame_b, set()).add(edge.frame_a)
-
-    def _write(self, row: Sequence[object]) -> None:
-        # A row is written in one call, newline included, so that a crash leaves at most one incomplete row.
-        line = io.StringIO()
-        csv.writer(line, lineterminator="\n").writerow(row)
-        self._table.write(line.getvalue())
-        self._table.flush()
+        if self._table is not None:
+            try:
+                self._table.write(_line(edge.row))
+                self._table.flush()
+            except OSError as error:
+                raise OSError(error.errno, error.strerror, str(self.out / EDGES_FILE)) from error
+        return edge
 
     def solve(self, piece: Piece) -> None:
-        """Place the frames of a piece by all its edges."""
+        """Place the frames of a component by all its edges."""
         edges = self.edges_of(piece)
         piece.solution = solve_graph(piece.stored[0], edges, self.size, piece.places, self.settings.outvoted)
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
-        """Make one piece of two that edges now connect; the frames of the later one come last."""
+        """Make one component of two that edges now connect; the frames of the later one come last."""
         if self.pieces.index(early) > self.pieces.index(late):
             early, late = late, early
         early.stored += late.stored
@@ -161,9 +172,16 @@ class Ledger:
         early.hung |= late.hung
         early.places |= dict.fromkeys(late.stored, IDENTITY)
         start = {name: early.places[name] for name in early.stored if name not in late.places}
-        # The last piece is the one that new frames are added to, and stays last.
+        # The last component is the one that new frames are added to, and stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
         early.solution = solve_graph(early.stored[0], self.edges_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]
+
+
+def _line(row: Sequence[object]) -> str:
+    """A row as a line of a CSV file."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(row)
+    return line.getvalue()

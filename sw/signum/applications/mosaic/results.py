@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable
 
 import cv2
@@ -13,20 +14,20 @@ from signum.applications.mosaic.blend import compose, sketch
 from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
-from signum.applications.mosaic.shelf import write_picture, write_text
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
+from signum.common.files import write_picture, write_text
 from signum.geometry.similarity import IDENTITY
 from signum.tables.schemas import POSES
 
 THUMB = 240
 """Longer side of the copies the growing mosaic is made of, pixels."""
 Grounding = Callable[[list[Pose], tuple[float, float]], Georeference | None]
-"""Finds where on the ground a piece is, from its poses and the frames' centre in pixels."""
+"""Finds where on the ground a component is, from its poses and the frames' centre in pixels."""
 
 
 class Results:
-    """Writes `poses.csv` and `mosaic.png`, and for further pieces `poses-2.csv`, `mosaic-2.png`, ...
+    """Writes `poses.csv` and `mosaic.png`, and for further components `poses-2.csv`, `mosaic-2.png`, ...
 
     Args:
         ledger: the survey's.
@@ -59,10 +60,8 @@ class Results:
             rows = csv.writer(text, lineterminator="\n")
             rows.writerow(POSES)
             rows.writerows(pose.row for pose in self._ledger.poses(piece))
-            write_text(self._ledger.out / f"poses{suffix(number)}.csv", text.getvalue())
-        for old in self._ledger.out.glob("poses-*.csv"):
-            if int(old.stem.removeprefix("poses-")) > len(pieces):
-                old.unlink()
+            write_text(self._ledger.shelf.make(f"poses{suffix(number)}.csv"), text.getvalue())
+        self._drop(r"poses-(\d+)\.csv", set(range(1, len(pieces) + 1)))
 
     def write_growing(self) -> None:
         """Write the poses so far and a quick mosaic of the largest piece."""
@@ -70,17 +69,30 @@ class Results:
         piece = self._ledger.ranked()[0]
         picture = sketch([self.show(name) for name in piece.stored], [piece.places[n] for n in piece.stored],
                          self._ledger.size)
-        write_picture(self._ledger.out / "mosaic.png", picture)
+        write_picture(self._ledger.shelf.make("mosaic.png"), picture)
 
     def write_all(self) -> None:
-        """Write the poses, and the mosaics of the largest piece and of all others with more than one frame."""
+        """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
         self.trouble = ""
+        blended, grounded = set(), set()
         for number, piece in enumerate(self._ledger.ranked(), 1):
             if number == 1 or len(piece.stored) > 1:
-                self._write_mosaic(piece, suffix(number))
+                blended.add(number)
+                if self._write_mosaic(piece, suffix(number)):
+                    grounded.add(number)
+        self._drop(r"mosaic(?:-(\d+))?\.png", blended)
+        self._drop(r"mosaic(?:-(\d+))?\.(?:pgw|tif)", grounded)
 
-    def _write_mosaic(self, piece: Piece, ending: str) -> None:
+    def _drop(self, pattern: str, numbers: set[int]) -> None:
+        """Remove the files of an earlier state of the survey whose piece has not one of these numbers."""
+        for name in sorted(self._ledger.shelf.made):
+            found = re.fullmatch(pattern, name)
+            if found and int(found[1] or 1) not in numbers:
+                self._ledger.shelf.unmake(name)
+
+    def _write_mosaic(self, piece: Piece, ending: str) -> bool:
+        """Write a piece's mosaic; returns whether its place on the ground is known."""
         ledger = self._ledger
         geo: Georeference | None = None
         if self.ground is not None:
@@ -90,13 +102,14 @@ class Results:
                 self.trouble = self.trouble or str(error)
         upright = geo.upright if geo else IDENTITY
         mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
-        path = ledger.out / f"mosaic{ending}.png"
-        write_picture(path, mosaic.picture)
+        make = ledger.shelf.make
+        write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
-            write_world_file(path.with_suffix(".pgw"), mosaic, geo)
-            write_geotiff(path.with_suffix(".tif"), mosaic, geo)
+            write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
+            write_geotiff(make(f"mosaic{ending}.tif"), mosaic, geo)
+        return geo is not None
 
 
 def suffix(number: int) -> str:
-    """Ending of the file names of a piece: none for the first, "-2" for the second."""
+    """Ending of the file names of a component: none for the first, "-2" for the second."""
     return "" if number == 1 else f"-{number}"

@@ -1,147 +1,250 @@
-"""What a survey keeps on disk while it runs, so that it can continue after a crash: stored frames, edges, options.
+"""What a survey keeps on disk, so that it can continue after a crash: the stored frames, the journal, the run's record.
 
-    run.json     what was asked for, and whether it was finished
-    frames/      the stored frames, PNG
-    frames/starts.txt   the frames that begin a piece, a JSON string a line
-    edges.csv    a row per measured edge, as soon as it is measured
+    run.json            what was asked for, the files made of it, and whether all of them are finished
+    frames/journal.txt  every frame and every registration; see `journal`
+    frames/000012.png   the picture of frame number 12, where it is stored
+    edges.csv           the measured edges, for the user; written anew from the journal when a survey is continued
 
-A frame's picture is written before the row that places it, and the row ends with a newline: whatever the moment of a
-crash, what can be read is whole, and at most the frame at work has to be taken again.
+A frame's name is in the journal only: file names are numbers.
 """
 
 from __future__ import annotations
 
 import json
-import os
+import zlib
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from urllib.parse import quote
 
-import cv2
-import numpy as np
-
+from signum.applications.mosaic.journal import Journal, SurveyRun, key_of
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.measure.register import Prepared, Registrar
+from signum.common.files import decode_png, png, write_bytes, write_text
+from signum.geometry.similarity import Similarity
+from signum.measure.register import Prepared, Registrar, Registration
 
-MADE = "mosaic*.png", "mosaic*.tif", "mosaic*.pgw", "poses*.csv", "accuracy*.csv"
-"""Files made from the stored frames and edges."""
 KEPT = 48
 """Prepared frames held in memory."""
+RECORD, EDGES_FILE, JOURNAL = "run.json", "edges.csv", "frames/journal.txt"
+"""Files of every survey."""
 
 
 class ResumeError(SignumError):
     """A survey that cannot be continued."""
 
 
-@dataclass(frozen=True)
-class SurveyRun:
-    """What a survey was asked for; one with other values is another survey.
-
-    Attributes:
-        source: its label.
-        size: width and height of the frames, pixels.
-        stream: whether little moves between frames.
-        window, sigma: of the registration.
-        columns: how edges beside the sequence are looked for: single, auto or turned.
-    """
-
-    source: str
-    size: tuple[int, int]
-    stream: bool
-    window: int
-    sigma: float
-    columns: str
-
-    def differs(self, other: SurveyRun) -> str:
-        """The first difference in words; empty if there is none. Where the frames come from may differ."""
-        for name, flag in (("size", "frames of"), ("stream", "stream"), ("window", "--window"), ("sigma", "--sigma"),
-                           ("columns", "--columns")):
-            if getattr(self, name) != getattr(other, name):
-                return f"{flag} {getattr(self, name)} instead of {getattr(other, name)}"
-        return ""
-
-
 class Shelf:
-    """The stored frames and the run's description in a folder.
+    """The stored frames, the journal and the run's record in a folder.
 
     Args:
-        folder: the survey's; made if missing.
+        folder: the survey's.
+
+    Attributes:
+        made: names of the files made of the survey, apart from those every survey has.
+        journal: of frames and registrations.
+        mended: stored pictures that were damaged or lost and have been stored again.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.frames = folder, folder / "frames"
-        self.frames.mkdir(parents=True, exist_ok=True)
+        self.journal = Journal(folder / JOURNAL)
+        self.made: set[str] = set()
+        self.mended: list[str] = []
+        self._run: SurveyRun | None = None
+        self._finished, self._described = False, ""
+        self._numbers: dict[str, int] = {}
+        self._next = 0
+        self._whole: set[int] = set()
+        self._at_hand: dict[str, Image] = {}
         self._prepared: OrderedDict[str, Prepared] = OrderedDict()
 
     def clear(self) -> None:
-        """Remove the files of an earlier run."""
-        for old in (*self.frames.glob("*.png"), self._starts, self.folder / "edges.csv"):
-            old.unlink(missing_ok=True)
-        for old in (file for kind in MADE for file in self.folder.glob(kind)):
-            old.unlink()
+        """Remove the files of an earlier survey in the folder, as far as its records name them."""
+        self.read()
+        for number in self.journal.stored:
+            self._path(number).unlink(missing_ok=True)
+        for name in (*self.made, EDGES_FILE, RECORD):
+            (self.folder / name).unlink(missing_ok=True)
+        self.journal.path.unlink(missing_ok=True)
+        self.made, self._numbers, self._next, self.journal = set(), {}, 0, Journal(self.journal.path)
+
+    def read(self) -> None:
+        """Take in the journal, the record and the names of the frames."""
+        found = read_record(self.folder)
+        self.made = set(found[2]) if found else set()
+        self.journal.read()
+        for number, (name, _) in self.journal.frames.items():
+            self.call(number, name)
+
+    def begin(self, run: SurveyRun, finished: bool) -> None:
+        """Open the journal, and write the record where it is another."""
+        self.frames.mkdir(parents=True, exist_ok=True)
+        for half in self.frames.glob(".part-*"):  # of a write that a crash ended
+            half.unlink()
+        self._run = run
+        self.describe(finished)
+        self.journal.begin(run)
+
+    def number(self, name: str) -> int:
+        """The number of a frame, the next one for a name that has none."""
+        if name not in self._numbers:
+            self.call(self._next, name)
+        return self._numbers[name]
+
+    def call(self, number: int, name: str) -> None:
+        """Give a frame a number of which the journal has lost the name."""
+        self._numbers[name] = number
+        self._next = max(self._next, number + 1)
+
+    def take(self, name: str, picture: Image) -> None:
+        """Note a frame in the journal, before anything is measured on it; its picture stays in memory until `let_go`.
+
+        Raises:
+            ResumeError: if the frame was taken in before with another picture.
+        """
+        number, crc = self.number(name), zlib.crc32(picture.tobytes())
+        before = self.journal.frames.get(number)
+        if before is not None and picture.size and before[1] != crc:
+            raise ResumeError(f"{self.folder}: frame {name} is not the picture that it was when this survey took it "
+                              "in: give the same source, or start anew with --anew")
+        self._at_hand[name] = picture
+        if picture.size:
+            self.journal.frame(number, name, crc)
+
+    def let_go(self, names: set[str]) -> None:
+        """Keep the pictures of these frames in memory, of no others."""
+        self._at_hand = {name: picture for name, picture in self._at_hand.items() if name in names}
 
     def save(self, name: str, picture: Image) -> None:
-        """Store a frame."""
-        write_picture(self._path(name), picture)
-
-    def start(self, name: str) -> None:
-        """Record that a frame begins a piece."""
-        with self._starts.open("a", encoding="utf-8", newline="") as file:
-            file.write(f"{json.dumps(name)}\n")
-
-    def started(self) -> list[str]:
-        """The frames that begin a piece, in order."""
-        if not self._starts.exists():
-            return []
-        text = self._starts.read_text(encoding="utf-8")
-        return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
-
-    @property
-    def _starts(self) -> Path:
-        return self.frames / "starts.txt"
+        """Store a frame; nothing is written where it is stored already, and the file is whole."""
+        number = self.number(name)
+        if number in self._whole:
+            return
+        before = self.journal.stored.get(number)
+        if before is None or self._bytes(number, before) is None:
+            if not picture.size:
+                raise ResumeError(self._lost(number, name))
+            if before is not None:
+                self.mended.append(name)
+            data = png(picture)
+            write_bytes(self._path(number), data)
+            self.journal.store(number, zlib.crc32(data))
+        self._whole.add(number)
 
     def picture(self, name: str) -> Image:
-        """A stored frame.
+        """A frame that is stored or at hand.
 
         Raises:
             ResumeError: if it is gone.
         """
-        picture = cv2.imread(str(self._path(name)), cv2.IMREAD_UNCHANGED)
+        found = self._at_hand.get(name)
+        if found is not None and found.size:
+            return found
+        number = self.number(name)
+        data = self._bytes(number, self.journal.stored.get(number))
+        picture = None if data is None else decode_png(data)
         if picture is None:
-            raise ResumeError(f"{self._path(name)}: missing or broken; start anew with --anew")
-        return np.asarray(picture, np.uint8)
+            raise ResumeError(self._lost(number, name))
+        return picture
 
-    def prepared(self, name: str, registrar: Registrar, known: Prepared | None = None) -> Prepared:
-        """A stored frame as the board sees it; `known` is the result where it is at hand."""
-        found = known or self._prepared.pop(name, None) or registrar.prepare(self.picture(name))
+    def stored(self, name: str) -> Image | None:
+        """A stored frame; None if it is not stored, or damaged."""
+        try:
+            return self.picture(name)
+        except ResumeError:
+            return None
+
+    def _lost(self, number: int, name: str) -> str:
+        return (f"{self._path(number)}: missing or broken, and the source does not give frame {name}; give the same "
+                "source, or start anew with --anew")
+
+    def _bytes(self, number: int, crc: int | None) -> bytes | None:
+        """The file of a stored frame; None if it is missing or damaged."""
+        try:
+            data = self._path(number).read_bytes()
+        except OSError:
+            return None
+        return data if crc == zlib.crc32(data) else None
+
+    def prepared(self, name: str, registrar: Registrar) -> Prepared:
+        """A frame that is stored or at hand as the board sees it."""
+        found = self._prepared.pop(name, None) or registrar.prepare(self.picture(name))
         self._prepared[name] = found
         while len(self._prepared) > KEPT:
             self._prepared.popitem(last=False)
+        return found
+
+    def register(self, registrar: Registrar, a: str, b: str, guess: Similarity | None, reach: int | None
+                 ) -> Registration:
+        """Register two frames, or find in the journal what that gave before."""
+        key = key_of(self.number(a), self.number(b), guess, reach)
+        found = self.journal.find(key)
+        if found is None:
+            measured = registrar.register(self.prepared(a, registrar), self.prepared(b, registrar), guess, reach)
+            found = self.journal.pair(key, measured)
         return found
 
     def pictures(self, names: Sequence[str]) -> Sequence[Image]:
         """Stored frames as a sequence that reads each when it is asked for."""
         return _Pictures(self, names)
 
-    def _path(self, name: str) -> Path:
-        return self.frames / f"{quote(name, safe=' ')}.png"
+    def _path(self, number: int) -> Path:
+        return self.frames / f"{number:06d}.png"
 
-    def describe(self, run: SurveyRun, finished: bool) -> None:
+    def make(self, name: str) -> Path:
+        """The path of a file made of the survey, which is noted in the record before it is written."""
+        if name not in self.made:
+            self.made.add(name)
+            self.describe(self._finished)
+        return self.folder / name
+
+    def unmake(self, name: str) -> None:
+        """Remove a file that was made of the survey."""
+        if name in self.made:
+            (self.folder / name).unlink(missing_ok=True)
+            self.made.remove(name)
+            self.describe(self._finished)
+
+    def describe(self, finished: bool) -> None:
         """Write `run.json`."""
-        write_text(self.folder / "run.json", json.dumps({**asdict(run), "finished": finished}, indent=1) + "\n")
+        if self._run is None:
+            return
+        self._finished = finished
+        text = json.dumps({**asdict(self._run), "made": sorted(self.made), "finished": finished}, indent=1) + "\n"
+        if text != self._described:
+            write_text(self.folder / RECORD, text)
+            self._described = text
 
-    def described(self) -> tuple[SurveyRun, bool] | None:
-        """The run in `run.json`, and whether it was finished; None if there is none that can be read."""
-        try:
-            values = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
-            finished = bool(values.pop("finished"))
-            values["size"] = tuple(values["size"])
-            return SurveyRun(**values), finished
-        except (OSError, ValueError, KeyError, TypeError):
-            return None
+
+def read_record(folder: Path) -> tuple[SurveyRun, bool, list[str]] | None:
+    """The run in `run.json`, whether it was finished, and the files made of it; None if there is none that can be
+    read."""
+    try:
+        values = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        run = SurveyRun.read(values)
+        made = [name for name in values["made"] if isinstance(name, str) and name == Path(name).name]
+        return run, bool(values["finished"]), made
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+
+
+def find_survey(folder: Path) -> SurveyRun | None:
+    """What the survey in a folder was asked for, from its record, or from its journal if that is damaged; None if there
+    is none that can be continued."""
+    found = read_record(folder)
+    if found is not None:
+        return found[0]
+    journal = Journal(folder / JOURNAL)
+    journal.read()
+    return journal.run
+
+
+def has_journal(folder: Path) -> bool:
+    """Whether frames in the journal of a survey's folder can be read, or nothing was made of it yet."""
+    journal, found = Journal(folder / JOURNAL), read_record(folder)
+    journal.read()
+    return bool(journal.frames) or (found is not None and not found[2])
 
 
 class _Pictures(Sequence[Image]):
@@ -156,20 +259,3 @@ class _Pictures(Sequence[Image]):
 
     def __iter__(self) -> Iterator[Image]:
         return (self._shelf.picture(name) for name in self._names)
-
-
-def write_picture(path: Path, picture: Image) -> None:
-    """Write a PNG atomically."""
-    _, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 1])
-    _replace(path, data.tobytes())
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file atomically."""
-    _replace(path, text.encode())
-
-
-def _replace(path: Path, data: bytes) -> None:
-    half = path.with_name(path.name + ".part")
-    half.write_bytes(data)
-    os.replace(half, path)

@@ -24,7 +24,7 @@ SEARCH_SIDE = 160
 SEARCH_WINDOW = 32
 """Side of the windows, coarse pixels."""
 SEARCH_SIGMA = 1.25
-"""Of the LoG, coarse pixels."""
+"""Sigma of the LoG, coarse pixels."""
 SEARCH_GRID = (5, 4)
 """Windows across and down."""
 TILE_OVERLAP = 56

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from signum.geometry.similarity import Similarity
-from signum.measure.measurer import Rules
+from signum.measure.validity import Rules
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from signum.applications.hold.loops import Axes, BodyLoops
+from signum.applications.hold.body_pid import Axes, BodyLoops
 from signum.applications.navigate.aim import Aim
 from signum.common.arrays import Floats
 from signum.geometry.camera import LOOK_DOWN, rotation

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.report.columns import read_table
 from signum.report.page import Section, row, table
 from signum.report.pictures import pictures
+from signum.report.read_table import read_table
 
 MOST_UNKNOWN = 12
 """Pictures on a page that shows nothing else of what they are."""

@@ -26,7 +26,7 @@ from signum.world.camera import Pinhole
 Make = Callable[[tuple[int, int], float], Measurer]
 """Makes a measurer for a picture size (width, height) and a sigma."""
 SURVEY_SIGMA = 2.0
-"""Of the LoG in a simulated survey, pixels."""
+"""Sigma of the LoG in a simulated survey, pixels."""
 SURVEY_WINDOW = 64
 """Side of the windows in a simulated survey, pixels."""
 LIKENESS_HALF = 12

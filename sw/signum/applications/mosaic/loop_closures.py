@@ -1,4 +1,4 @@
-"""Finds edges beside the sequence: between frames whose predicted overlap is large enough, and between pieces."""
+"""Finds loop closures: edges between frames that are not consecutive, in one component or between two."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Loops:
         return found
 
     def _try(self, piece: Piece, pair: tuple[str, str], by: Edge | None) -> bool:
-        """Measure a proposed edge of a piece; it is accepted if it agrees with the poses."""
+        """Measure a proposed edge of a component; it is accepted if it agrees with the poses."""
         a, b = pair
         predicted = piece.places[b].inverse @ piece.places[a]
         point = self._common(predicted)
@@ -97,9 +97,8 @@ class Loops:
         slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
         reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
         near = reach <= self._settings.farthest
-        first, second = self._ledger.prepared(a), self._ledger.prepared(b)
-        result = self._registrar.register(first, second, predicted if near else None,
-                                          max(reach, self._registrar.limits.reach) if near else None)
+        result = self._ledger.register(a, b, predicted if near else None,
+                                       max(reach, self._registrar.limits.reach) if near else None)
         reason = ""
         if result.accepted:
             point = np.array(result.middle)
@@ -112,7 +111,7 @@ class Loops:
         return Edge.of(a, b, kind, self._centre, result, reason)
 
     def join(self, name: str) -> int:
-        """Look for an edge from a frame of the last piece to the others; returns how many were accepted."""
+        """Look for an edge from a frame of the last component to the others; returns how many were accepted."""
         late = self._ledger.piece_of(name)
         others = [(piece, other) for piece in self._ledger.pieces if piece is not late for other in piece.stored]
         # Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
@@ -127,7 +126,7 @@ class Loops:
             tried.add(other)
             if (other, name) in self.tried:
                 continue
-            result = self._registrar.register(self._ledger.prepared(other), self._ledger.prepared(name))
+            result = self._ledger.register(other, name)
             self.tried[other, name] = IDENTITY
             if result.accepted and result.agreed >= max(self._settings.share * result.tried, self._settings.agreed):
                 self._doubtful.append(Edge.of(other, name, JOIN, self._centre, result))
@@ -137,7 +136,7 @@ class Loops:
         return found
 
     def _confirm(self, join: Edge) -> int:
-        """Accept an edge between two pieces if at least half of the other edges that it predicts are found too.
+        """Accept an edge between two components if at least half of the other edges that it predicts are found too.
 
         Returns:
             Edges accepted: 0, or 2 and more.
@@ -174,8 +173,8 @@ class Loops:
         return 1 + len(good)
 
     def exhaust(self, piece: Piece) -> Iterator[str]:
-        """Look again for the edges of a piece that its poses now predict, until there are no more; yields a phrase for
-        each frame."""
+        """Look again for the edges of a component that its poses now predict, until there are no more; yields a phrase
+        for each frame."""
         for _ in range(3):
             connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
             for pair, before in list(self.tried.items()):

@@ -1,0 +1,155 @@
+"""The folder a command writes into: one process at a time, and only files that are the command's own.
+
+`run-COMMAND.jsonl` in the folder names what a command was run on and the files it has made, a JSON string a line. A
+later run of the same command replaces these files and no others. Files made from a live source are never replaced: what
+was seen cannot be seen again.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from signum.common.errors import SignumError
+from signum.common.files import write_text
+
+
+@dataclass(frozen=True)
+class _Record:
+    source: str
+    live: bool
+    made: tuple[str, ...]
+
+
+class Outputs:
+    """A locked folder; call `close` at the end.
+
+    Args:
+        folder: made if missing.
+        command: its name.
+        source: what it runs on, for the record.
+        live: whether the source is live.
+        replace: whether to remove the files of an earlier run now; else they may only be overwritten.
+
+    Raises:
+        SignumError: if another process writes into the folder, or it holds what came from a live source.
+    """
+
+    def __init__(self, folder: Path, command: str, source: str = "", live: bool = False, replace: bool = True) -> None:
+        self.folder, self.command = folder, command
+        folder.mkdir(parents=True, exist_ok=True)
+        self._lock = lock(folder)
+        self._log = None
+        try:
+            self._record = folder / f"run-{command}.jsonl"
+            before = _read(self._record)
+            kept = [name for name in before.made if (folder / name).exists()] if before else []
+            if before and before.live and kept:
+                raise SignumError(f"{folder}: holds {kept[0]} of {before.source}, which cannot be seen again: choose "
+                                  "another --out, or move it away")
+            self._mine = set() if replace else set(kept)
+            if replace:
+                for name in kept:
+                    (folder / name).unlink()
+            head = json.dumps({"source": source, "live": live})
+            write_text(self._record, "".join(f"{line}\n" for line in (head, *map(json.dumps, sorted(self._mine)))))
+            self._log = self._record.open("a", encoding="utf-8")
+        except BaseException:
+            self.close()
+            raise
+
+    def file(self, name: str) -> Path:
+        """The path of a file, relative to the folder, that the command is going to write.
+
+        Raises:
+            SignumError: if there is a file of this name that the command has not made.
+        """
+        path = self.folder / name
+        if name not in self._mine:
+            if path.exists():
+                raise SignumError(f"{path}: is there already, and signum {self.command} has not made it: choose "
+                                  "another --out, or move it away")
+            assert self._log is not None
+            self._log.write(f"{json.dumps(name)}\n")
+            self._log.flush()
+            self._mine.add(name)
+        return path
+
+    def close(self) -> None:
+        """Let other processes use the folder."""
+        if self._log is not None:
+            self._log.close()
+        os.close(self._lock)
+
+
+def lock(folder: Path) -> int:
+    """Lock a folder for this process until the returned handle is closed with `os.close`, or the process ends.
+
+    Raises:
+        SignumError: if another process has locked it.
+    """
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
+            return handle  # a file system without locks
+        os.close(handle)
+        raise SignumError(f"{folder}: another signum is writing into it: wait until it ends, or choose another --out"
+                          ) from error
+    return handle
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Lock a folder, if there is one, for what runs inside."""
+    handle = lock(folder) if folder.is_dir() else None
+    try:
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+def move_aside(folder: Path) -> Path:
+    """Rename a folder to the first free one of `NAME-1`, `NAME-2`, ...; returns the new path."""
+    real = folder.resolve()
+    number = 1
+    while (new := real.with_name(f"{real.name}-{number}")).exists():
+        number += 1
+    os.rename(real, new)
+    return new
+
+
+def identity(source: str) -> str:
+    """A source as the user named it, whatever the spelling: whole path of a file, with the topic of a bag; a camera or
+    the simulated world as it is."""
+    if Path(source).exists():
+        return str(Path(source).resolve())
+    file, mark, topic = source.partition("#")
+    return f"{Path(file).resolve()}{mark}{topic}" if Path(file).exists() else source.removeprefix("camera:")
+
+
+def _read(path: Path) -> _Record | None:
+    """A record; None if there is none that can be read. Names that leave the folder are left out."""
+    try:
+        head, *lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        values = json.loads(head)
+        source, live = str(values["source"]), bool(values["live"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    made = []
+    for line in lines:
+        try:
+            name = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(name, str) and name and not {"..", "/"} & set(PurePosixPath(name).parts):
+            made.append(name)
+    return _Record(source, live, tuple(dict.fromkeys(made)))

@@ -1,0 +1,87 @@
+"""How a command is stopped: SIGINT, SIGTERM and SIGHUP alike.
+
+The first signal raises KeyboardInterrupt where the command can stop; what it does then, it has `GRACE_S` for. After
+that, or at a second signal, the process ends at once: all files are written so that this loses nothing but the frame at
+work.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+GRACE_S = 1.7
+"""From the first signal to the end of the process, seconds."""
+STATUS = 130
+"""Exit status of a command that was stopped."""
+GOODBYE = b"\nsignum: stopped; what was finished is kept\n"
+SHOW_CURSOR = b"\x1b[?25h"
+
+
+class _Stop:
+    def __init__(self) -> None:
+        self.asked = False
+        self.shielded = 0
+
+
+_stop = _Stop()
+
+
+def listen() -> None:
+    """Handle the signals from now on, but for those that the process was started to ignore, as under `nohup`.
+
+    Call it in the main thread of a process that runs one command.
+    """
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    for number in SIGNALS:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _handle)
+    # A thread sees the signals too: the main thread may be in a long call of a library.
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    threading.Thread(target=_watch, args=(reader,), daemon=True).start()
+
+
+@contextmanager
+def shielded() -> Iterator[None]:
+    """Let what runs inside end before KeyboardInterrupt is raised."""
+    _stop.shielded += 1
+    try:
+        yield
+    finally:
+        _stop.shielded -= 1
+    if _stop.asked and not _stop.shielded:
+        _stop.asked = False
+        raise KeyboardInterrupt
+
+
+def _handle(number: int, frame: FrameType | None) -> None:
+    if _stop.shielded:
+        _stop.asked = True
+    else:
+        raise KeyboardInterrupt
+
+
+def _watch(reader: int) -> None:
+    while os.read(reader, 1)[0] not in SIGNALS:
+        pass
+    timer = threading.Timer(GRACE_S, _end)
+    timer.daemon = True
+    timer.start()
+    while os.read(reader, 1)[0] not in SIGNALS:
+        pass
+    _end()
+
+
+def _end() -> None:
+    """End the process at once."""
+    try:
+        os.write(2, (SHOW_CURSOR if sys.stderr.isatty() else b"") + GOODBYE)
+    finally:
+        os._exit(STATUS)

@@ -1,0 +1,84 @@
+"""Files that are whole at any moment: written beside their place, then renamed into it.
+
+A crash leaves the file that was there before, or the new one, and at most a file `.part-NAME` beside it, which the next
+write of the same file replaces. The data reach the disk before the name does, so a power failure leaves no empty file.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from signum.common.arrays import Image
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A path to write a file to that takes the place of `path` at the end; after an error it is removed instead.
+
+    Its name ends as `path` does, for writers that choose the format by it.
+    """
+    half = path.with_name(f".part-{path.name}")
+    try:
+        yield half
+        with half.open("rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(half, path)
+    except OSError as error:
+        half.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    except BaseException:
+        half.unlink(missing_ok=True)
+        raise
+    sync_folder(path.parent)
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a file as a whole.
+
+    Raises:
+        OSError: if it cannot be written, with `path` as its file name.
+    """
+    with replacing(path) as half:
+        half.write_bytes(data)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file as a whole, in UTF-8."""
+    write_bytes(path, text.encode())
+
+
+def write_picture(path: Path, picture: Image, compression: int = 1) -> None:
+    """Write a PNG as a whole; `compression` is zlib's, 0 to 9."""
+    write_bytes(path, png(picture, compression))
+
+
+def png(picture: Image, compression: int = 1) -> bytes:
+    """A picture, uint8 (H, W) or (H, W, 3), as the bytes of a PNG; `compression` is zlib's, 0 to 9."""
+    _, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, compression])
+    return bytes(data.tobytes())
+
+
+def decode_png(data: bytes) -> Image | None:
+    """The picture of a PNG's bytes, 8 bits a channel; None if there is none."""
+    picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    return None if picture is None or picture.dtype != np.uint8 else np.asarray(picture, np.uint8)
+
+
+def sync_folder(folder: Path) -> None:
+    """Let the names of a folder's files reach the disk, where the file system can."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        return
+    try:
+        os.fsync(handle)
+    except OSError:
+        pass
+    finally:
+        os.close(handle)

@@ -1,0 +1,161 @@
+"""What is in an output folder stays, unless the same command made it and can make it again."""
+
+import json
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from signum.commands.cli import application
+from signum.commands.outputs import Outputs, identity, lock, move_aside
+from signum.common.errors import SignumError
+
+app = application()
+
+
+def _run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def _line(result: Result) -> str:
+    assert result.exit_code == 1, result.output
+    line, = (line for line in result.stderr.splitlines() if line.startswith("signum: "))
+    return line
+
+
+@pytest.fixture(scope="module")
+def floor() -> np.ndarray:
+    rng = np.random.default_rng(2)
+    return np.asarray(cv2.GaussianBlur(rng.integers(0, 256, (700, 160), dtype=np.uint8), (0, 0), 1.5)) * 2
+
+
+@pytest.fixture
+def source(floor: np.ndarray, tmp_path: Path) -> Path:
+    """Four overlapping pictures, straight down a floor."""
+    folder = tmp_path / "in"
+    folder.mkdir()
+    for k in range(4):
+        cv2.imwrite(str(folder / f"{k}.png"), floor[40 * k:40 * k + 120])
+    return folder
+
+
+def _contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()
+            and p.name != "report.html"}
+
+
+def test_a_survey_is_never_wiped(source: Path, floor: np.ndarray, tmp_path: Path,
+                                 monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "o"
+    common = "--window", "32", "--out", out
+    assert _run("mosaic", source, *common).exit_code == 0
+    before = _contents(out)
+    assert json.loads(before["run.json"])["finished"] and len(before["poses.csv"].splitlines()) == 5
+    other = tmp_path / "other"
+    other.mkdir()
+    cv2.imwrite(str(other / "0.png"), floor[300:420])
+    assert f"holds a survey of {source}, not of {other}" in _line(_run("mosaic", other, *common))
+    assert "made with --sigma 2.5 instead of 2.0" in _line(_run("mosaic", source, *common, "--sigma", "2"))
+    assert "--anew moves it aside" in _line(_run("mosaic", source, *common, "--columns", "single"))
+    assert _contents(out) == before
+    # Another spelling of the same source, and the same call again: the same survey.
+    monkeypatch.chdir(tmp_path)
+    for spelling in ("in", tmp_path / "other" / ".." / "in", source):
+        again = _run("mosaic", spelling, *common)
+        assert again.exit_code == 0 and "finished" in again.stderr and _contents(out) == before
+    # A frame that is new is added.
+    cv2.imwrite(str(source / "4.png"), floor[160:280])
+    assert _run("mosaic", source, *common).exit_code == 0
+    after = _contents(out)
+    assert len(after["poses.csv"].splitlines()) == 6 and after["frames/000000.png"] == before["frames/000000.png"]
+    # Started anew, the old one lies beside.
+    assert _run("mosaic", other, *common, "--anew").exit_code == 0
+    assert _contents(tmp_path / "o-1") == after and len((out / "poses.csv").read_text().splitlines()) == 2
+
+
+def test_files_that_are_no_survey_stay(source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    out.mkdir()
+    (out / "mosaic.png").write_bytes(b"mine")
+    (out / "notes.txt").write_text("mine")
+    assert "holds mosaic.png, but no survey" in _line(_run("mosaic", source, "--window", "32", "--out", out))
+    assert (out / "mosaic.png").read_bytes() == b"mine"
+    inside = _line(_run("mosaic", source, "--window", "32", "--out", tmp_path, "--anew")) if (
+        tmp_path / "mosaic.png").write_bytes(b"") == 0 else ""
+    assert "cannot be moved aside" in inside and source.exists()
+
+
+def test_a_frame_that_has_changed_is_named(source: Path, floor: np.ndarray, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    assert _run("mosaic", source, "--window", "32", "--out", out).exit_code == 0
+    before = _contents(out)
+    cv2.imwrite(str(source / "2.png"), floor[301:421])
+    assert "frame 2 is not the picture that it was" in _line(_run("mosaic", source, "--window", "32", "--out", out))
+    assert _contents(out) == before
+
+
+def test_quick_commands_replace_what_they_made_and_no_more(source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    flow = "flow", source, "--window", "32", "--pictures", "1", "--out", out
+    assert _run(*flow).exit_code == 0 and (out / "flow_1.png").exists()
+    (out / "flow_mine.png").write_bytes(b"mine")
+    (source / "3.png").unlink()
+    assert _run(*flow).exit_code == 0
+    assert (out / "flow_mine.png").read_bytes() == b"mine" and not (out / "flow_2.png").exists()
+    (out / "track.csv").write_text("mine")
+    assert "track.csv: is there already" in _line(_run("track", source, "--window", "32", "--out", out))
+    assert (out / "track.csv").read_text() == "mine"
+
+
+def test_what_a_live_source_gave_stays(tmp_path: Path) -> None:
+    first = Outputs(tmp_path, "track", "camera 0", live=True)
+    first.file("track.csv").write_text("seen once")
+    first.close()
+    for live in (True, False):
+        with pytest.raises(SignumError, match=r"holds track\.csv of camera 0, which cannot be seen again"):
+            Outputs(tmp_path, "track", "film.mp4", live)
+    assert (tmp_path / "track.csv").read_text() == "seen once"
+
+
+def test_a_record_names_only_files_of_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "precious").write_text("mine")
+    out = tmp_path / "o"
+    out.mkdir()
+    names = ["../precious", str(tmp_path / "precious"), 3, "a.csv"]
+    (out / "run-track.jsonl").write_text('{"source": "x", "live": false}\n' + "\n".join(map(json.dumps, names)) + "\n{")
+    (out / "a.csv").write_text("made")
+    Outputs(out, "track").close()
+    assert (tmp_path / "precious").exists() and not (out / "a.csv").exists()
+
+
+@pytest.mark.parametrize("command", ["mosaic", "track", "report"])
+def test_one_process_a_folder(command: str, source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    out.mkdir()
+    held = lock(out)
+    arguments = (command, out) if command == "report" else (command, source, "--window", "32", "--out", out)
+    assert "another signum is writing into it" in _line(_run(*arguments))
+    assert not list(out.iterdir())
+    os.close(held)
+
+
+def test_names_of_folders_moved_aside_and_of_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for _ in range(2):
+        (tmp_path / "out").mkdir()
+        move_aside(Path("out"))
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["out-1", "out-2"]
+    (tmp_path / "a.bag").touch()
+    assert identity("./a.bag#/cam") == f"{tmp_path / 'a.bag'}#/cam" and identity("camera:0") == identity("0") == "0"
+    assert identity("world:frames=3") == "world:frames=3"
+
+
+def test_the_demonstration_leaves_a_survey_alone(source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    assert _run("mosaic", source, "--window", "32", "--out", out).exit_code == 0
+    before = _contents(out)
+    assert "signum demo has not made it" in _line(_run("demo", "--board", "golden", "--out", out))
+    assert {k: v for k, v in _contents(out).items() if k != "run-demo.jsonl"} == before

@@ -1,0 +1,1 @@
+"""Tests of `examples/`: every example runs, and prints what is true."""
