@@ -17,6 +17,7 @@ from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
 from signum.common.files import write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Registrar, Registration
+from signum.tables.cells import neutral_row
 from signum.tables.schemas import SURVEY_EDGES
 
 
@@ -183,5 +184,5 @@ class Ledger:
 def _line(row: Sequence[object]) -> str:
     """A row as a line of a CSV file."""
     line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(row)
+    csv.writer(line, lineterminator="\n").writerow(neutral_row(row))
     return line.getvalue()

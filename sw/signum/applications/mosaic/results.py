@@ -18,6 +18,7 @@ from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
 from signum.geometry.similarity import IDENTITY
+from signum.tables.cells import neutral_row
 from signum.tables.schemas import POSES
 
 THUMB = 240
@@ -59,7 +60,7 @@ class Results:
             text = io.StringIO()
             rows = csv.writer(text, lineterminator="\n")
             rows.writerow(POSES)
-            rows.writerows(pose.row for pose in self._ledger.poses(piece))
+            rows.writerows(neutral_row(pose.row) for pose in self._ledger.poses(piece))
             write_text(self._ledger.shelf.make(f"poses{suffix(number)}.csv"), text.getvalue())
         self._drop(r"poses-(\d+)\.csv", set(range(1, len(pieces) + 1)))
 
