@@ -87,8 +87,10 @@ def _checked(function: Callable[..., None]) -> Callable[..., None]:
 def _shown(parameter: inspect.Parameter) -> str:
     """A parameter as the command line names it."""
     for about in getattr(parameter.annotation, "__metadata__", ()):
-        for name in getattr(about, "param_decls", None) or ():
-            return str(name).partition("/")[0]
+        # Typer takes an option's first name for its default until it reads the annotation.
+        for name in (getattr(about, "default", None), *(getattr(about, "param_decls", None) or ())):
+            if str(name).startswith("--"):
+                return str(name).partition("/")[0]
     return parameter.name.upper()
 
 

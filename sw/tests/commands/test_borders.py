@@ -110,7 +110,7 @@ def test_a_stereo_pair_is_checked_field_by_field(tmp_path: Path, name: str) -> N
 
 @pytest.mark.parametrize(("text", "says"), [
     ("rows: 1000000000", "expected a number from 1 to 65535"), ("rows: 9", "has 9 numbers; expected 27"),
-    ("rows: -3", "expected a number from 1"), ("dt: u", "has dt 'u'"), ("dt: 3d", "has dt '3d'"),
+    ("rows: -3", "expected a number from 1"), ("dt: u", "has dt 'u'"), ("dt: 3d", "not an OpenCV YAML"),
     ("data: 1", "numbers")])
 def test_a_matrix_is_what_its_head_says(tmp_path: Path, text: str, says: str) -> None:
     path = calibration(tmp_path / "c.yaml")
@@ -139,9 +139,9 @@ def test_no_calibration_at_all(tmp_path: Path, data: bytes) -> None:
 
 @pytest.mark.parametrize(("rows", "says"), [
     ("1,inf,0.2", "frame 1: east_m is inf; expected"), ("1,nan,0.2", "frame 1: east_m is nan; expected"),
-    ("1,1e308,0.2", "frame 1: east_m is 1e+308; expected"), ("1,0,1,0.2", "row 2 .* has 4 cells, the head has 3"),
+    ("1,1e308,0.2", "frame 1: east_m is 1e.308; expected"), ("1,0,1,0.2", "row 2 .* has 4 cells, the head has 3"),
     ("1,0", "row 2 .* has 2 cells"), ("1,,3", "east_m is ''; expected"), ("0,1,2", "frame 0 is listed twice"),
-    ("1,0.1,0.2\0", "byte 41 is zero")])
+    ("1,0.1,0.2\0", "byte 40 is zero")])
 def test_a_navigation_log_is_checked_cell_by_cell(tmp_path: Path, rows: str, says: str) -> None:
     path = tmp_path / "n.csv"
     path.write_text(f"frame,east_m,north_m\n0,0.0,0.0\n{rows}\n2,0.2,0.4\n")
@@ -277,7 +277,7 @@ def test_names_that_are_not_utf8_or_control_a_terminal(tmp_path: Path, inputs: P
     for file in sorted((inputs / "folder").glob("*.png")):
         name = {"1": "\udcff1", "2": "\x1b[31m2"}.get(file.stem, file.stem)
         (tmp_path / f"{name}.png").write_bytes(file.read_bytes())
-    assert sorted(f.name for f in open_source(tmp_path)) == ["0", "3", "\x1b[31m2", "\\xff1"]
+    assert {f.name for f in open_source(tmp_path)} == {"0", "3", "\x1b[31m2", "\\xff1"}
     (tmp_path / "0.png").write_bytes(b"x")
     assert "\x1b" not in _line(_run("track", tmp_path / "\x1b[31m2", "--out", tmp_path / "o"))
     assert "UTF-8" in _line(_run("filter", inputs / "png" / "a.png", "--out", tmp_path / "\udcff"))

@@ -41,7 +41,7 @@ def _start(work: str, after: str = "pass", grace: float = signals.GRACE_S) -> su
 def test_every_signal_interrupts(number: signal.Signals) -> None:
     process = _start("time.sleep(60)")
     process.send_signal(number)
-    out, error = process.communicate(timeout=WAIT_S)
+    _, error = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130 and out == "stopped\n" and not error
 
 
@@ -49,7 +49,7 @@ def test_a_stop_that_takes_long_is_cut_off() -> None:
     process = _start("time.sleep(60)", after="time.sleep(60)")
     process.terminate()
     began = time.monotonic()
-    out, error = process.communicate(timeout=WAIT_S)
+    _, error = process.communicate(timeout=WAIT_S)
     assert time.monotonic() - began >= 1 and process.returncode == 130
     assert error == "\nsignum: stopped; what was finished is kept\n"
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-WALL_S, PROCESSOR_S = 90, 30
+WALL_S, PROCESSOR_S = 240, 30
 """Longest time of a case, seconds, by the clock and of the processor: beyond them it hangs."""
 MEMORY = 4 << 30
 """Address space that a case may take beside what the parent has, bytes."""
