@@ -41,7 +41,7 @@ def _start(work: str, after: str = "pass", grace: float = signals.GRACE_S) -> su
 def test_every_signal_interrupts(number: signal.Signals) -> None:
     process = _start("time.sleep(60)")
     process.send_signal(number)
-    _, error = process.communicate(timeout=WAIT_S)
+    out, error = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130 and out == "stopped\n" and not error
 
 
