@@ -142,7 +142,7 @@ async def aborts_at_any_time(dut, source: str) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
-    aborts = (int(rng.random() < (0.003 if source == "none" else 0.002)) for _ in iter(int, 1))
+    aborts = (int(rng.random() < 0.004) for _ in iter(int, 1))
     await check_cycles(dut, VideoInModel(params()["Radius"]),
                        play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern(source, rng), rng, gap=40,
                             abort=aborts), count)
