@@ -130,7 +130,7 @@ async def aborts_at_any_time(dut, source: str) -> None:
     """Aborts in and between frames, good and bad: each frame that is begun to be output is either done or aborted."""
     rng = random.Random(cocotb.RANDOM_SEED)
     items = [stray(rng, 30)]
-    for kind in BAD_KINDS:
+    for kind in (*BAD_KINDS, *BAD_KINDS):
         items += [good(texture(rng, WIDTH, HEIGHT)), bad(kind, texture(rng, WIDTH, HEIGHT), rng)]
     items.append(good(texture(rng, WIDTH, HEIGHT)))
     counts = {"accepted_o": 0, "dropped_o": 0, "px_start_o": 0, "px_abort_o": 0, "px_done_o": 0}
@@ -142,7 +142,7 @@ async def aborts_at_any_time(dut, source: str) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
-    aborts = (int(rng.random() < 0.004) for _ in iter(int, 1))
+    aborts = (int(rng.random() < 0.003) for _ in iter(int, 1))
     await check_cycles(dut, VideoInModel(params()["Radius"]),
                        play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern(source, rng), rng, gap=40,
                             abort=aborts), count)
