@@ -25,7 +25,8 @@ def picture(path: Path, caption: str = "") -> str:
     except SourceError as error:
         return paragraph(f"Not shown: {error}")
     deep = image.dtype != np.uint8
-    shown: Image = np.asarray(cv2.convertScaleAbs(np.asarray(image, np.float32), alpha=1 / 256) if deep else image, np.uint8)
+    flat = cv2.convertScaleAbs(np.asarray(image, np.float32), alpha=1 / 256) if deep else image
+    shown: Image = np.asarray(flat, np.uint8)
     scale = WIDEST / shown.shape[1]
     if scale < 1:
         size = (WIDEST, max(1, round(shown.shape[0] * scale)))
