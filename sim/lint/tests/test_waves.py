@@ -11,7 +11,7 @@ ROOMS = sorted(path.name for path in RTL.iterdir() if path.is_dir() and path.nam
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_the_view_names_ports(room: str) -> None:
-    named = re.findall(r"^variable_add TOP\.(\w+)\.(\w+)$", (ROOT / "waves" / f"{room}.sucl").read_text(), re.MULTILINE)
+    named = re.findall(r"^variable_add (\w+)\.(\w+)$", (ROOT / "waves" / f"{room}.sucl").read_text(), re.MULTILINE)
     (module,) = {module for module, _ in named}
     text = (RTL / room / f"{module}.sv").read_text()
     ports = set(re.findall(r"\b(\w+_[io])\b", text[:text.index("\n);")]))
