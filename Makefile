@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Entry point: `make` alone lists the targets.
 SHELL      := /bin/sh
 PYTHON     ?= python3

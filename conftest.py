@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Settings of every test: reproducible Hypothesis, no windows, unexpected errors raised, the simulation seed in the
 heading."""
 

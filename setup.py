@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which files the wheel holds; everything else about the package is in `pyproject.toml`.
 
 Written here because pyproject.toml can either search for packages or list them all, and `rtl/` becomes the package

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The test bench itself: broken RTL must fail the comparison, and the message must name clock and signal."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_board` (`tiny`) against its cycle model on every clock, its results against the frame level."""
 
 import random

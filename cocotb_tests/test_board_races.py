@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_board` (`tiny`) while captures race searches and peeks of a slot, against its cycle model on every clock.
 
 A result is of the frame before, of the new one, or refused because the slot is invalid; a word read back is of either

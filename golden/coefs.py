@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Coefficients of the filter as SystemVerilog, for designs without a host: `rtl/gen/slog_coefs.svh`.
 
 `python -m golden.coefs` writes the file; `python -m golden.coefs --check` fails when the committed one is stale.

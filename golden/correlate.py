@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Frame-level correlation: the result of a job, bit for bit.
 
 The score of an offset is the number of matching bits of template and search window, `width * height` minus their

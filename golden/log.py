@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sign of the Laplacian of Gaussian, frame level: the specification of the board's front end in integers.
 
 The response is that of `scipy.ndimage.gaussian_laplace`: sampled kernels, `g2(y) g(x) + g(y) g2(x)`, on an image

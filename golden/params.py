@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Board configurations: one validated dataclass from which every width is derived.
 
 `python -m golden.params` writes `rtl/gen/<name>/slog_cfg_pkg.sv` for each named configuration;

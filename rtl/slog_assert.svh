@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Assertion macros: active in simulation and in proofs, empty in synthesis. They sample at clk_i and, but for _NO_RESET,
 // are off in rst_i. Proofs (FORMAL) use immediate assertions, because open-source Yosys reads no others: a property is a
 // plain condition; what held in the clock before is in a register that SLOG_PAST declares, or is the business of a macro.

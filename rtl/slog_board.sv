@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The board: two cameras, sign-of-LoG front ends, bit-plane store, correlator, registers. Wiring only.
 //
 // Registers  : AXI4-Lite, rtl/control/slog_csr.rdl.

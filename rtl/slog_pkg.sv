@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Types shared by several blocks. Widths are those of the largest board; smaller boards use fewer values.
 //
 // Score: matching bits of a window, 0..width*height. NoScore marks an absent score.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What builds share: Verilator's arguments, digests of what a build is made from, locks, and the ends of logs."""
 
 from __future__ import annotations

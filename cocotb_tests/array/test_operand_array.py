@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_operands` feeding `slog_array`, against their cycle models on every clock."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """AXI4-Lite of `slog_control` with the five channels driven independently, against its cycle model on every clock.
 
 Addresses come long before their data and the reverse; addresses are unaligned and unmapped, strobes are any; idle wires

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_peek` against its cycle model on every clock: words of one and of two parts, new addresses at every moment."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_fetch` against its cycle model on every clock; its parts are tested at full size in files of their own."""
 
 import random

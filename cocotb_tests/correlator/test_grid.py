@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_grid` against its cycle model, and so the frame-level grid, on every clock."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """AXI4-Lite master as part of a stimulus: plays accesses on the five channels, one after another or overlapped."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares a module with its cycle model on every clock and every output.
 
 A stimulus is a generator: it yields the inputs of a clock and receives the outputs sampled in that clock. It drives the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The surroundings of the whole board as a stimulus: host registers, cameras and surface sink, clock by clock.
 
 A scenario is a generator that yields once per clock and calls the methods here, most of which are generators too.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_peak` against its cycle model on every clock, and against the frame-level peak search."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The parts of `slog_peak`, each against its cycle model on every clock, all in one bench (`tb_peak_parts`)."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_store` against its cycle model on every clock: three banks, two slices."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_board`, composed of the models of its blocks.
 
 Within a clock every signal between blocks is a register's output; an input from a block stepped later is read from the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Frame-level correlation against brute force, and its properties."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The array's cycle models against plain counting of differing pixels."""
 
 from __future__ import annotations

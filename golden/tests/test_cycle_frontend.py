@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The front end's cycle model against the frame-level LoG, on good and bad streams."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The frame-level LoG: exact against brute force, faithful to a float64 LoG, and its properties."""
 
 from __future__ import annotations

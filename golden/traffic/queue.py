@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Words through a queue, for the modules with the ports of `slog_fifo`."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stall shapes: endless streams of 0/1, whether one end of a handshake is ready in a clock."""
 
 from __future__ import annotations

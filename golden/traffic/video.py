@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Good and bad video streams as beats of an AXI4-Stream video input, and what the front end must make of them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Output-stationary systolic XOR/popcount array: each lane scores one horizontal offset of a window.
 //
 //   mismatch[k] = sum over the pass's rows and both groups of popcount((tpl ^ search[GroupBits-1+k : k]) & mask)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Outputs the lanes' totals, one per clock: lane k's total is complete one clock after lane k-1's.
 //
 //   mismatch = total of lane 0, 1, .. lanes-1, in that order

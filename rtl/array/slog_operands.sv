@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Holds the correlator array's operands, two templates and a ring of search rows, and reads a row of both per clock.
 //
 //   tpl_a = template row s, tpl_b = template row s+1, s = 2*tpl_step; search rows ring_row and the next    (paired)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Selects a few bits of every unit of the operand rows from the words that the search ring's memories output.
 //
 //   a = units chunk .. chunk+2 of the row of parity odd_a

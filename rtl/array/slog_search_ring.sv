@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ring of search rows, read as two operand rows of GroupBits + Pitch bits that start at any multiple of Pitch.
 //
 //   a = units chunk .. chunk+2 of row            b = units chunk+2 .. chunk+4 of row           (wide)

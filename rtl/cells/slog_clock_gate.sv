@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stops an idle block's clock in the fast simulation build (SLOG_CLOCK_GATE).
 //
 // The block's clock runs while active_i is high and for Linger clocks after. active_i must be chosen so that no register

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // First-in first-out queue with registered storage and flags and a combinational front.
 //
 // Latency    : a word pushed in clock t is offered in clock t+1.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signed multiplier with three register stages, like those of a hard multiplier block.
 //
 //   p = a * b

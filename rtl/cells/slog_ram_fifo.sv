@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // First-in first-out queue in block RAM, with a short register queue behind the RAM's output register.
 //
 // Latency    : a word pushed in clock t is offered in clock t+5 at the earliest (register before the RAM, RAM write, RAM read,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The board's reset from its pin to all registers: registers at both ends of the way, then a buffer for the net that spans
 // the whole board. The reset is made longer: a pulse of one clock resets the blocks for Held clocks.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One register between two handshakes: cuts the timing path from a queue's memory to its user.
 //
 // Latency    : a word accepted in clock t is offered in clock t+1.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // AXI4-Lite to the register block's request port, one access at a time; every output is a register.
 //
 // When a read and a write both wait, they take turns. A read of WaitAddr waits while wait_i is high; writes overtake it.

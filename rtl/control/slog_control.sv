@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Registers and the blocks that only they use: coefficient bank, peek port, counters, interrupt. Wiring, and the translation
 // of register fields to the blocks' ports.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Event counters of the board, 32 bits each, modulo 2**32, zero after reset.
 //
 // Latency    : count_o includes an event two clocks after it.

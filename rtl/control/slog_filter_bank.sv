@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Staged filter coefficients and image size, activated together while no frame is being processed.
 //
 // A commit holds back new frames; when every camera has been idle for Settle clocks in a row, the staged values become the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads the bit-plane store back, 32 bits at a time, through the store's low-priority port.
 //
 // Reading starts at a new address; data_o is the value of the next read, and each read advances. The word after the current

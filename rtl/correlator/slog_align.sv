@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Funnel shifter: turns the store words of a row into words that begin at the row's first bit.
 //
 //   out word k = {store word k+1, store word k}[shift + Width - 1 : shift]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The correlator: feeds operands from the store to the array, and the array's scores to the peak unit. Wiring only.
 //
 //   jobs -> slog_fetch -> slog_operands -> slog_array -> slog_peak -> results, surface

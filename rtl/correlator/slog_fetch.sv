@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes jobs in order, refuses bad ones, and loads the operands of the others from the store, ahead of the sequencer.
 //
 // Sequence of a job: check (slog_job_check, slog_job_plan) -> ticket -> template rows into the free template bank ->

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes a grid of jobs from one: job (i, j) is the given job moved by (i * step_x, j * step_y); the tag counts up.
 //
 // Template and search move together. Jobs are output in raster order, i fastest.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks whether a job can be executed, and computes the area of its window.
 //
 //   status = the first that applies of BadWindow, NoOffsets, BadSlot, Outside (slog_pkg::status_e), else Ok

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Computes where a job's template and search rectangles lie in the store.
 //
 //   addr      = (slot * MaxHeight + y) * WordsPerRow + x / Width        shift = x mod Width

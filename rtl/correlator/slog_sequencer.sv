@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns tickets into steps of the array: one job after the other, preparing the next row of offsets while slog_walker
 // steps through the present one.
 //

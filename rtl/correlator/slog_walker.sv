@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steps through one row of offsets: the passes along the row, and in each pass the steps down the window.
 //
 //   pass c scores offsets c*Pitch .. c*Pitch + lanes - 1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `slog_ram` on the ECP5's block RAMs with their output registers in use: each block holds some bits of every word.
 //
 // Each block is configured with the widest words at which one block is deep enough, so no multiplexer follows the output

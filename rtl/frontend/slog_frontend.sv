@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
 // Latency    : 34 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, when idle, to the

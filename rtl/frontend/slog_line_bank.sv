@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight of the line buffer's lines, with their own registers for the address and the border pixel.
 //
 // window_o[k] is the pixel of line k, the oldest first, or, if replace_i[k], the border pixel: that of the line whose hot_i

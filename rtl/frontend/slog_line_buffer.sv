@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Holds the last 2 * Radius lines and outputs for every new pixel the column of 2 * Radius + 1 pixels that ends with it.
 //
 // window_o[i] is the pixel 2 * Radius - i lines above the newest; the output row's pixel is window_o[Radius]. Pixels past

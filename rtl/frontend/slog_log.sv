@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sign of the Laplacian of Gaussian of a raster of whole lines: wiring of the line buffer, the filters and the window.
 //
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows. Past the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Windows of the two horizontal filters: the 2 * Radius + 1 values around each value of a line. Past the line's ends its
 // first and last value are repeated. Two values per pixel, each with its own window.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One window of slog_taps, cut into slices: the two places that are folded together and share a multiplier are in one slice.
 //
 // Latency, throughput, formats: those of slog_taps.

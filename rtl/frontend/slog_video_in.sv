@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Receives frames, drops bad ones, and issues whole lines of width_i consecutive clocks to the LoG.
 //
 // A line is issued when its last pixel has arrived in the right place; only such lines are issued, so all later

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Peak unit: finds each job's best score, its neighbours and the runner-up from the array's mismatch counts.
 //
 // score = area - mismatch, in raster order over the offsets of a job.

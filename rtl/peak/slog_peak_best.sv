@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides for each complete row whether it holds the best score of its job so far, and issues the order to scan it.
 //
 // Row r, with maximum M at x, is the best so far if M is greater than the maximum of rows 0..r-1. The runner-up then is

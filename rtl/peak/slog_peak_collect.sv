@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collects a job's neighbours and runner-up from the scans of its rows by slog_peak_scan.
 //
 //   runner-up after a row = max(other, fresh ? far : runner-up before)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes mismatches row by row and turns them into scores: each row is written to the next row bank; scores of jobs with
 // surface are marked for the surface stream.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reserves room for whole rows of scores, because the array cannot be stopped within a row.
 //
 // held = scores granted and not yet taken; a row may be granted while held + MaxOffsets <= Depth.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unrolls a job's context into its rows of offsets. A refused job has one row.
 //
 // Handshake  : row_coming_o: a row can be taken in the next clock, unless one is taken in this clock. row_taken_i takes

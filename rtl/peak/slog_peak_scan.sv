@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scans a row together with the rows above and below it: outputs the columns next to the best, and the best of all
 // other scores.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finds the largest value of each row of a stream, and its index; of equal values, the one with the smallest index.
 //
 // Odd and even samples have separate running maxima, so that the comparison can take a full clock before the update:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Captures: assigns each camera's next frame to a slot, tracks which slots hold a frame, and drives the store's write port.
 //
 // A command arms its camera with a slot, or cancels the camera's request. Arming is refused for a slot this board

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One camera's captures: writes the words of the next good frame after a request into the requested slot.
 //
 // armed      : after the next frame_start_i the slot's valid bit is cleared (clear_o).

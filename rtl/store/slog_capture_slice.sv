@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few bits of the cameras' word queues before the store, with its own pointers and flags: no net spans all bits.
 //
 // slog_capture_channel counts the queues' levels. A word leaves in every clock in which one is held; camera 0 has priority.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bit-plane store: Words words of Width bits in block RAM, with a low-priority second read requester.
 //
 //   stage  registers

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few bits of every word of the bit-plane store, with its own address registers.
 //
 //   stage  registers

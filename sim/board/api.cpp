@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Verilated board behind a C interface: whole frames and job lists per call, clocks counted, no callbacks. The functions
 // of the registers are those of `driver_api.cpp`, on the driver that `slog_driver` returns. Calls that wait keep the job queue
 // fed and collect results. Negative return values are errors: see `Error`.

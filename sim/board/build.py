@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace]`.
 
 The library lies under `build/verilated/<config>[-trace]/` with digests of everything that it and its model were made

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Verilated model under its clock: plays the cameras' video, receives the surface stream, and is a bus to the registers.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Verilated board from Python: whole frames and job lists per call, never Python per clock."""
 
 from __future__ import annotations

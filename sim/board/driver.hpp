@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Queues jobs, feeds them to the board and collects results, on any bus that reads and writes the board's registers. Register
 // addresses and fields are defined in the generated header.
 #pragma once

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The board's registers from Python: what `driver.hpp` does on any bus, with errors raised as exceptions."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver behind a C interface, on any bus. Functions that wait return 0, or kTimeout.
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The C interfaces of the shared libraries of this folder, for ctypes."""
 
 from __future__ import annotations

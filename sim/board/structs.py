@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Jobs and results as they cross the C interface: the same two structs as in `job.hpp`, for NumPy."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`python -m sim.formal`: see `flow`."""
 
 from sim.formal.flow import main

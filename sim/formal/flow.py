@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs proofs: writes each one's SymbiYosys file into `build/formal/`, runs it and prints one line.
 
 `python -m sim.formal [--quick] [NAME ...]` runs all proofs, the quick ones, or those named. It fails if a proof fails

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The proofs: what is proved of which module, and why the other modules with control have none."""
 
 from __future__ import annotations

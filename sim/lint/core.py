@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs the targets of `signum.core` with FuseSoC: `python -m sim.lint.core [target ...]`, by default all of them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Lints the RTL: Verilator on the whole board in both configurations and on every module by itself, Verible on style.
 
 The whole boards are read by the lists `rtl/full.f` and `rtl/tiny.f`, from another folder. `python -m sim.lint` prints

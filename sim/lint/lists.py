@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """File lists for other tools, from `rtl/files.f`: `rtl/full.f` and `rtl/tiny.f`, `signum.core` (FuseSoC), `Bender.yml`.
 
 `python -m sim.lint.lists --write` writes them; the lint fails when one is stale.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The licence's line in every source file: `python -m sim.lint.spdx` names files without it, `--write` adds it.
 
 It is the first line, or the second where the first must be something else (`#!`, `CAPI=2:`). Generated files get it as

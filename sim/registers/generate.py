@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Generates everything that contains register addresses from `rtl/control/slog_csr.rdl`.
 
 `python -m sim.registers` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/registers/gen`),

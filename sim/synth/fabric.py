@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Gives loads that a global network does not reach a driver of their own.
 
 The networks of an ECP5 reach registers' clock, reset and enable pins. nextpnr also routes one to a look-up table, on

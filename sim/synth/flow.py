@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Synthesis for the Lattice ECP5: Yosys (slang front end), then place and route by nextpnr with several seeds.
 
 `python -m sim.synth [--config full|tiny]` writes `out/synth/report.json` (`out/synth/tiny/report.json` for `tiny`):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Netlists as Yosys writes them: the flat module, and the comparison of two.
 
 `python -m sim.synth.netlist A.json B.json` compares two netlists apart from attributes that hold file

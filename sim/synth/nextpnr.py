@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """nextpnr: place and route of a netlist for the ECP5, with one seed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A global placement: the wires pull, and cells of a kind repel one another like charges until each kind covers the
 capacity that the device has for it (after Lu et al., "ePlace", ACM TODAES 20(2), 2015).
 """

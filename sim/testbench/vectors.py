@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The frame and the signs of `tb_signs`: `python -m sim.testbench.vectors` writes them, `--check` compares them."""
 
 from __future__ import annotations

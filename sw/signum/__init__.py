@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Signum's host side: the names a host script needs, and the only ones whose meaning is kept from version to version.
 
     from signum import Job, Measurer, Query, locate_peaks, open_board, run_jobs

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The stable face: what `signum` exports, with signatures, is what `face.txt` keeps.
 
 Where a change is meant, `SIGNUM_FACE=write` makes this test write the file anew; the change belongs into CHANGELOG.md.

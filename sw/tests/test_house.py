@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rules of the house: who may import whom, the same rooms on both sides, one name for one thing, no long files."""
 
 import ast

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The package: one version everywhere, no tests in the wheel, few dependencies, and what works with the wheel alone.
 
 The wheel is built from the files of the clone without network; in an empty folder, Python sees only it and the

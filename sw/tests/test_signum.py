@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`import signum` is quick and provides every name in `__all__`."""
 
 import ast

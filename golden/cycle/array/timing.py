@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Timing of `slog_operands` and `slog_array`, as in rtl/array/slog_array_pkg.sv.
 
 All counts are clocks from the one in which the step of `slog_operands` is valid; `group_bits` is a power of two.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_axil`: accesses over AXI4-Lite, one at a time, passed to the register block."""
 
 from __future__ import annotations

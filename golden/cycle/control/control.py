@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_control`, with its counters; registers, coefficients and peek port are models of their own."""
 
 from __future__ import annotations

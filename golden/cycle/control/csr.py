@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of the generated `slog_csr` behind `slog_axil`: storage and read path."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A log of register accesses: recorded from the Verilated tiny board, kept in `accesses.log`, and replayed without it.
 
 `python -m sim.board.tests.accesses` records it anew. The driver in it has nothing but `read` and `write`, as over UART.

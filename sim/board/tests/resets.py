@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One-clock resets of the Verilated `tiny` board at any clock of its work: `python -m sim.board.tests.resets` for all.
 
 The work is a frame on each camera, captured, and jobs with a surface. After the reset a new filter, a capture on both

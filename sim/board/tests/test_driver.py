@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The register driver without a board: over a recorded log of accesses, and against the register map."""
 
 from __future__ import annotations

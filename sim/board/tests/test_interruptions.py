@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Verilated `tiny` board when its work is interrupted: resets at any clock, cameras that stop in mid-frame."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // AXI4-Lite from the specification (ARM IHI 0022, A3 and B1), and what slog_axil promises the register block.
 //
 // The host may do anything: raise and lower its valid and ready signals in any clock, with AW and W apart. The register

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_reset: the board's reset lasts Held clocks or more, begins with power-up, and ends after the pin's.
 module slog_rules_board_reset #(
     parameter int unsigned Held = 4

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_fifo as a queue, and where its words are, which makes the proof inductive.
 module slog_rules_fifo #(
     parameter int unsigned Width  = 4,

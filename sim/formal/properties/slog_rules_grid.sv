@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_grid against the contract: job (i, j) is the command's job moved by (i * step_x, j * step_y), i fastest.
 module slog_rules_grid
   import slog_pkg::*;

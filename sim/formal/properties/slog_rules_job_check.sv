@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_job_check against the contract: the first of the reasons that applies, in plain arithmetic.
 module slog_rules_job_check
   import slog_pkg::*;

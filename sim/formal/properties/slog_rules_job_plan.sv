@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_job_plan against its equations, for every job that slog_job_check accepts.
 //
 // The job starts in the first clock after reset. This loses nothing, because the registers that a reset leaves alone hold

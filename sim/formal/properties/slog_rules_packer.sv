@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_packer against a plain shift of bits into words, six clocks later.
 module slog_rules_packer #(
     parameter int unsigned GroupBits = 4,

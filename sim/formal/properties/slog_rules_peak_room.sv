@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_peak_room against the plain count of the scores granted and not yet taken.
 module slog_rules_peak_room #(
     parameter int unsigned Depth      = 20,

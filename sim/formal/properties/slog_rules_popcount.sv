@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_popcount against the plain number of ones, in lane 0. History counts clocks in which move_i is high.
 module slog_rules_popcount #(
     parameter int unsigned GroupBits = 4,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every queue and stage promises: words leave in the order in which they came, none is lost, none is made up, and
 // no more than Depth are inside.
 //

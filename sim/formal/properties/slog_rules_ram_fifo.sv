@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_ram_fifo as a queue, and where its words are: output queue, RAM's two read stages, RAM, register before the RAM.
 module slog_rules_ram_fifo #(
     parameter int unsigned Width  = 2,

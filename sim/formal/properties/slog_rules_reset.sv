@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Assumption of every proof with a reset: from power-up on rst_i is held for Clocks clocks, and so is every later reset.
 module slog_rules_reset #(
     parameter int unsigned Clocks = 1

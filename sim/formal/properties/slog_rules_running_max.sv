@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_running_max against the plain maximum of a row, the first of equal values, three clocks after the row's last sample.
 module slog_rules_running_max #(
     parameter int unsigned ValueW = 3,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_sequencer starts no row of offsets without its operands: the ring rows and the template are loaded.
 module slog_rules_sequencer
   import slog_fetch_pkg::*;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_stage as a queue of one word.
 module slog_rules_stage #(
     parameter int unsigned Width = 4

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Assumption of slog_video_in's proof: the image size is constant, as slog_filter_bank keeps it while a frame is under way.
 module slog_rules_video_in #(
     parameter int unsigned MaxWidth = 8,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The flow itself: what it writes, what it counts, and that it does not pass what is wrong."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The file lists for other tools hold the files of `rtl/files.f`, in its order, and can be read by those tools."""
 
 import importlib.util

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The licence's line is found, added once, in the right place, and left out of comparisons."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The saved views of waveforms name ports that exist, one view for each room."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Floorplan of block RAMs and multipliers on small netlists."""
 
 import json

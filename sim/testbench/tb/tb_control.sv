@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_control with the members of its AXI4-Lite structs as ports of their own.
 module tb_control
   import slog_pkg::*;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks the signs of one frame against those of the golden model, without Python: the test of a front end in a design of
 // one's own, and the simulation of signum.core. It also shows how slog_frontend is driven.
 //

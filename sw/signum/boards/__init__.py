@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Boards by name; the back ends are listed here and nowhere else."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The abstract class every back end implements; all measurements use it.
 
 A back end (golden model, Verilated RTL, later a real board) implements the underscored methods of `Board`; given the

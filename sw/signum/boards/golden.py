@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The golden board: the frame-level golden model behind the Board interface.
 
 Results are those of the RTL, bit for bit. Clocks are an estimate of what the RTL needs for the same call:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The `signum` application, and what makes a function one of its commands: option groups, errors in one line."""
 
 from __future__ import annotations

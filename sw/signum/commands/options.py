@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The options that several commands share, each defined once, and the names of the groups in `--help`."""
 
 from __future__ import annotations

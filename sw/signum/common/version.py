@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The version: one for the package, the tags (`v1.1.0`) and the register block."""
 
 VERSION = "1.1.0"

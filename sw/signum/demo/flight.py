@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the demonstration flies, and what it keeps for the report."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demonstration: a simulated flight over gravel through a board, and the report of it.
 
 1. the stages of the filter, and the signs that remain in turbid water;        figures 3 and 8

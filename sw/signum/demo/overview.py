@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One picture of a demonstration flight: the camera's frame, its signs, flow, tracks, a held station, the mosaic."""
 
 from __future__ import annotations

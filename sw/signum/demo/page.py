@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demonstration's report: one HTML file that contains its pictures."""
 
 from __future__ import annotations

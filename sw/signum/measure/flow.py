@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Optical flow: where a grid of windows of one frame lies in the next (the paper's figure 6)."""
 
 from __future__ import annotations

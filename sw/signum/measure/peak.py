@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Converts job results to displacements in pixels and scores 0..1."""
 
 from __future__ import annotations

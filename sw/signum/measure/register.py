@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Registration of two overlapping pictures: rotation, scale and translation, from windows that must agree.
 
 1. Coarse: both pictures are scaled to 160 pixels; a grid of windows, each searched for in the whole other picture,

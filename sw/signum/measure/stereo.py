@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stereo range: disparities of a grid of windows along the rows of a rectified pair (the paper's figure 5).
 
 Each window of the left view is searched for along the same rows of the right view: a one-dimensional job. A disparity

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Feature tracking against the initial image.
 
 A feature is a window of the picture in which it was chosen. In every further frame it is measured from the frame

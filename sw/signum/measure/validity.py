@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """When a measurement is valid: the rules, the reasons for refusal, and the checks of a search's peak.
 
 `Measurer.measure` makes the checks that need further searches, texture and return.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures that several pages and commands show: the stages of the filter, flow, tracked features, a line of text."""
 
 from __future__ import annotations

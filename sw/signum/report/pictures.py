@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures from a folder for a page."""
 
 from __future__ import annotations

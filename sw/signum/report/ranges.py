@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A range map as a picture, and its points as a PLY file."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Rows of the tables, made from measurements; `read_table.py` reads tables back."""
 
 from __future__ import annotations

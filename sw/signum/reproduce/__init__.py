@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`make reproduce`: every figure and table of the paper that this project can have, on one page, judged by its bars.
 
 Each module has a group of figures and a function `make` of the type `Maker`, which `makers.py` lists in the order of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`python -m signum.reproduce`: the page, section by section; status 1 where a bar is missed or a section failed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 8 of the paper: the share of signs that survive poor contrast, uneven light and marine snow.
 
 `python -m signum.reproduce.figure8` degrades photographs as the paper does and prints, per picture and sigma, the

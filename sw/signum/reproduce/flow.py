@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 6: optical flow, and its error on known shifts, clean and under figure 8's degradation."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How the error at a survey's far corner grows with its size: chains of offsets as in the paper, and least squares.
 
     (a) sequential: the offsets along the way flown, m (m - 1) to m^2 - 1 of them between opposite corners;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Station keeping (equations 2 to 7): ten minutes in a current with surge, a blocked view, a push out of view."""
 
 from __future__ import annotations

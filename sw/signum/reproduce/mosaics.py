@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figures 14 to 17: single-column mosaics, manual and automatic, and a survey flown back and forth."""
 
 from __future__ import annotations

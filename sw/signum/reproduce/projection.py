@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 13's argument measured: offsets over relief through perspective and through parallel rays.
 
 The same ground is seen, with the same pixels on it, from several heights, each with the lens that fits; the higher,

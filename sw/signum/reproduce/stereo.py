@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 5: stereo range on simulated floors, and on scikit-image's motorcycle."""
 
 from __future__ import annotations

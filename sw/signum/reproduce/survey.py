@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Surveys of many columns: how the error grows, perspective against parallel rays, real surveys against references."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Opens the source a user names: pictures, a video, a ROS bag, a camera, an array file or the simulated world."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The columns of every table, and what they mean.
 
 `frame` is the frame's name as its source gives it. A column that ends in _px is in original pixels unless its table

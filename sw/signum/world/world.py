@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Renders the finished picture of a camera in the world: seafloor, fish, water, snow and sensor noise."""
 
 from __future__ import annotations

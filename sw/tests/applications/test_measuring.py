@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Modules that an application measures with run on real frames: only its simulation imports the simulated world."""
 
 from __future__ import annotations

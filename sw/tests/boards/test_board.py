@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Board interface on the golden board: calls, refused calls, counters."""
 
 from dataclasses import replace

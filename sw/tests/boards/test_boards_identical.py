@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Golden and Verilated board: the same bits for the same calls, from planes to tracks."""
 
 import random

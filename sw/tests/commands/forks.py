@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs commands in forked processes that end at a chosen moment; a program of its own, which reads requests as JSON.
 
 A request is {"arguments": [...], "moment": n or null, "act": what, "limit": bytes or null}. At the n-th function call

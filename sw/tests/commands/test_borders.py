@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is refused at the border, in one line that names the file, the field and what is expected; and what is
 unexpected, which leaves a log."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A command is stopped by SIGINT, SIGTERM and SIGHUP alike, within two seconds, and at once by a second signal."""
 
 import signal

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A campaign: cases drawn by seed, run two at a time, judged, and each failure reduced to a minimal reproduction."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs a command in a forked child with limits of time and memory."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Similarities, the vote and the robust fit."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How far a result lies above chance: a search without a match must not look like one that found its place."""
 
 import numpy as np

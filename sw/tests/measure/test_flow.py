@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Optical flow against known shifts, clean and under the paper's degradation."""
 
 from __future__ import annotations

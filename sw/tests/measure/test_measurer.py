@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measurements on the golden board: accuracy, and that each check refuses what it is there for."""
 
 import cv2

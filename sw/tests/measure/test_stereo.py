@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stereo range against the truth of simulated planes and relief, and of scikit-image's motorcycle pair."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Follows one blob from frame to frame by segmentation, by correlation where that fails, and reports its loss."""
 
 from __future__ import annotations

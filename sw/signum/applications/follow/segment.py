@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which windows of a picture are fish: those that are near (range), or that move against the terrain (motion).
 
 Of these one contiguous blob of windows is kept: isolated windows are mostly wrong measurements.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Keeps the vehicle on station by the meter's readings, and by a substitute reference or the gyro without them."""
 
 from __future__ import annotations

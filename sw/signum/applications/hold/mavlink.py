@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Readings as MAVLink `VISION_POSITION_DELTA` (11011), as an ArduSub vehicle takes them: body FRD, 8 to 10 Hz.
 
 The autopilot integrates the deltas; they are measured against a fixed reference, so their sum does not drift. Frames

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The vehicle's offset from a reference view: the paper's equations 2 to 7 by least squares over many features.
 
 A camera looking down sees ground point G (metres, right + i back, in the reference's frame) at reference pixel p =

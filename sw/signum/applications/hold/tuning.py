@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How the station keeper's PID gains are found: the largest integral gain that keeps the loop's sensitivity bounded.
 
 An axis is an inertia with drag, pushed through a thruster with lag and, in yaw, damped by the autopilot through the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Absolute and relative error of poses against the truth (APE, RPE), and the truth's table.
 
 Positions are complex numbers x + iy with y down, as pixels have it; east and north become east - i north.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A single-column mosaic flown in the simulated world: the paper's `make_single_column_mosaic()` in automatic mode.
 
     store an image; then, again and again: find the section at its top centre in the live image, and move the vehicle by

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """An edge of the pose graph, measured between two frames, and its row in `edges.csv`."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where on earth a mosaic is: scale from the camera's range, place from a navigation log; world files and GeoTIFF.
 
 GeoTIFF 1.1 (OGC 19-008): ModelPixelScale, ModelTiepoint and the GeoKeys that define the numbers. The mosaic is

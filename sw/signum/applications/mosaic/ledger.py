@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The state of a survey: its components, the edges that hold them together, and where these place every frame."""
 
 from __future__ import annotations

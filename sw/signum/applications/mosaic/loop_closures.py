@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Finds loop closures: edges between frames that are not consecutive, in one component or between two."""
 
 from __future__ import annotations

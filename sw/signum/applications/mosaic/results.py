@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a survey writes for its user: the poses, and the mosaic, as it grows and at the end."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How a survey is made."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A survey, frame by frame: each is registered against the last, then against every neighbour the poses predict.
 
 The track of the vehicle is not given: a single column, columns flown back and forth, or any other. The sequence places

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The coarse search: candidate places of a frame in a mosaic, without a prior.
 
 Frame and mosaic are scaled down until the frame is 160 pixels long. A grid of the frame's windows is searched for in

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares a frame, window by window, with the part of the mosaic that a guess predicts it shows; board pixels."""
 
 from __future__ import annotations

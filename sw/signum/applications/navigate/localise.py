@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where a live frame is in a mosaic.
 
 Without a prior the coarse search proposes places; with a prior only that is tried. Each predicts the part of the mosaic

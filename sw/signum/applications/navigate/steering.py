@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Steers to a target: rates of a pan/tilt, or forces of a vehicle, from the target's position in the frame."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report of a folder with none of the known tables: its tables and pictures as they are."""
 
 from __future__ import annotations

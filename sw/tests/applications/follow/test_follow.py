@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Following: segmentation of known scenes, one contiguous blob, states, and short chases with the truth."""
 
 from __future__ import annotations

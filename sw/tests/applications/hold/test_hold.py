@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Station keeping: the equations, the closed loop under current, surge, snow, occlusion and shove, and MAVLink."""
 
 from __future__ import annotations

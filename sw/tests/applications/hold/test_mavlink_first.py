@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A host script that imported pymavlink before signum, without a word on MAVLink 2, still sends the message."""
 
 import os

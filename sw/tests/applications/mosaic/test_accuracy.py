@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Errors against truth, worked out by hand; edges and tracks read back; mosaics on the ground."""
 
 import math

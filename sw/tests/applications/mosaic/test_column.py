@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Single columns: chains of edges without loops, flown by hand and by themselves, and on real surveys where at hand."""
 
 import csv

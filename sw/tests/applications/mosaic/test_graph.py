@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pose graph: known graphs are recovered, even with some wrong edges."""
 
 import numpy as np

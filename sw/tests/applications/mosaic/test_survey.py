@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Surveys end to end: back and forth untold, broken off and gone on with, wrong edges refused, real ones."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a simulated mosaic truly shows: it judges navigation and takes no part in it."""
 
 from __future__ import annotations
