@@ -47,7 +47,8 @@ module slog_ram_fifo #(
   logic push_q;                  // a word is written
   logic some;                    // the RAM holds a word that is not read yet
   logic push_q2;                 // such a word was written in the clock before
-  logic some_q, others_q;        // by the pointers of the clock before: there is one; there is one besides that at head_q
+  // By the pointers of the clock before: the RAM holds an unread word; it holds one besides that at head_q.
+  logic some_q, others_q;
   logic pop_q;                   // a word left; front_q and level_q follow one clock later, to keep pop's fan-out small
   logic push, pop, read, more, less, full;
   logic two;                     // free_q is two or more in the next clock

@@ -123,7 +123,7 @@ module slog_video_in #(
 
   // ---- Writer: one clock behind the beats. Its counts are not needed before a line's next to last pixel.
   logic [9:0]       left_q, wr_row_q;  // remaining pixels of the line after the next one
-  logic             end_0_q;           // if no pixel is written in this clock, the next one is the last but one of its line
+  logic             end_0_q;           // if no pixel is written in this clock, the next is the last but one of its line
   logic             end_1_q;           // if a pixel is written in this clock, the one after it is
   logic             near_end, first_row_q, wr_en_q, wr_en_q2, wr_en_q3;
   logic             wr_line_q;                // buffer of the line being received
