@@ -24,7 +24,7 @@ module my_design (
 
   slog_frontend #(.MaxWidth(48), .Radius(8), .GroupBits(8)) u_frontend (
       .clk_i, .rst_i, .tdata_i, .tvalid_i, .tready_o, .tuser_i, .tlast_i,
-      .width_i(10'd48), .height_i(10'd36), .g_i(G), .g2_i(G2), .hold_i(1'b0), .busy_o(unused_busy),
+      .width_i(10'd48), .height_i(10'd36), .g_i(G), .g2_i(G2), .hold_i(1'b0), .abort_i(1'b0), .busy_o(unused_busy),
       .word_valid_o(word_valid), .word_data_o(word), .word_last_o(unused_last), .frame_start_o(frame_start),
       .frame_done_o(frame_done), .frame_abort_o(frame_abort), .accepted_o(unused_accepted), .dropped_o(unused_dropped)
   );

@@ -71,6 +71,7 @@ def test_abort_without_a_frame(tiny: Device) -> None:
     frame = np.random.default_rng(1).integers(0, 256, SIZE[::-1], dtype=np.uint8)
     tiny.arm(3, 1)
     tiny.write("filter", abort_0=1, abort_1=1)
+    tiny.tick(16)  # a command reaches the front ends some clocks after its write is answered
     tiny.play(frame, 1)
     tiny.finish_playing()
     tiny.wait_captured(1)

@@ -41,12 +41,15 @@ def main() -> None:
 
 
 def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
-    with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as calls:
+    with tempfile.TemporaryFile() as calls:
         began = time.monotonic()
+        reading, writing = os.pipe()  # not a file, whose size would be limited too
         child = os.fork()
         if not child:
-            os.dup2(said.fileno(), 1)
-            os.dup2(said.fileno(), 2)
+            os.dup2(writing, 1)
+            os.dup2(writing, 2)
+            os.close(writing)
+            os.close(reading)
             os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
             status = 70
             try:
@@ -57,11 +60,13 @@ def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
                 sys.stdout.flush()
                 sys.stderr.flush()
                 os._exit(status)
+        os.close(writing)
+        with os.fdopen(reading, "rb") as pipe:
+            said = pipe.read().decode(errors="replace")
         _, status = os.waitpid(child, 0)
         seconds = time.monotonic() - began
-        said.seek(0)
         calls.seek(0)
-        return {"status": os.waitstatus_to_exitcode(status), "said": said.read().decode(errors="replace"),
+        return {"status": os.waitstatus_to_exitcode(status), "said": said,
                 "calls": json.loads(calls.read() or b"[]"), "seconds": seconds}
 
 
