@@ -27,8 +27,8 @@ def main(folder: str = "build/my_design", runner: Runner | None = None, extra: t
     # The runner wants a source to decide what to rebuild by; the list holds them all.
     runner.build(sources=[HERE / "my_design.sv"], hdl_toplevel="my_design", build_dir=build, timescale=("1ns", "1ps"),
                  build_args=["-Wall", "-Wno-fatal", "-F", str(HERE / "files.f"), *extra])
-    results = runner.test(test_module="test_my_design", hdl_toplevel="my_design", build_dir=build, test_dir=build,
-                          extra_env={"PYTHONPATH": f"{HERE}:{ROOT}"})
+    sys.path[:0] = [str(HERE), str(ROOT)]  # the runner hands its own path on to the test
+    results = runner.test(test_module="test_my_design", hdl_toplevel="my_design", build_dir=build, test_dir=build)
     return get_results(results)[1]
 
 
