@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Entry point: `make` alone lists the targets.
 SHELL      := /bin/sh
 PYTHON     ?= python3
@@ -40,8 +41,8 @@ reproduce: setup ## Every figure and table of the paper on one page: out/reprodu
 	@$(PY) -m signum.reproduce --board $(BOARD) --out out/reproduce
 
 .PHONY: test
-test: setup ## Every test, on two cores (JOBS=n for others)
-	@$(PY) -m pytest -n $(JOBS)
+test: setup ## Every test, on two cores (JOBS=n for others): out/junit.xml
+	@$(PY) -m pytest -n $(JOBS) --junit-xml=out/junit.xml
 
 .PHONY: fuzz
 fuzz: setup ## Damaged inputs of every kind through the commands, counted by outcome: out/fuzz/failures (MINUTES=10; SEED=n repeats)
@@ -60,27 +61,46 @@ lint: $(VENV)/.installed ## Check Python, RTL and generated files, without runni
 	@$(PY) -m ruff check .
 	@$(PY) -m mypy
 	@$(PY) -m golden.params --check
+	@$(PY) -m golden.coefs --check
 	@$(PY) -m sim.registers --check
+	@$(PY) -m sim.testbench.vectors --check
 	@$(PY) -m sim.lint
+
+.PHONY: core
+core: $(VENV)/.installed ## FuseSoC runs the targets of signum.core: lint, and a frame's signs without Python
+	@$(PY) -m sim.lint.core
+
+.PHONY: docs
+docs: $(VENV)/.installed ## The documentation as a site: out/site/index.html; every warning is an error
+	@NO_MKDOCS_2_WARNING=1 $(PY) -m mkdocs build --strict --quiet
 
 .PHONY: synth
 synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
+
+.PHONY: formal
+formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
+	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
 
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
 	@$(PY) -m sim.speed
 
 .PHONY: regs
-regs: $(VENV)/.installed ## Regenerate all files made from rtl/control/slog_csr.rdl and golden/params.py
+regs: $(VENV)/.installed ## Regenerate all files made from slog_csr.rdl, golden/params.py, golden/log.py and rtl/files.f
 	@$(PY) -m golden.params
+	@$(PY) -m golden.coefs
 	@$(PY) -m sim.registers
+	@$(PY) -m sim.testbench.vectors
+	@$(PY) -m sim.lint.lists --write
+	@$(PY) -m sim.lint.spdx --write
 
 .PHONY: lock
 lock: ## Pin the newest packages that pyproject.toml allows (needs uv)
-	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate pyproject.toml -o requirements.lock
-	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --extra synth \
-	  -c requirements.lock pyproject.toml -o requirements-synth.lock
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --upgrade --extra dev pyproject.toml \
+	  -o requirements.lock
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --upgrade --extra dev \
+	  --extra synth -c requirements.lock pyproject.toml -o requirements-synth.lock
 
 .PHONY: clean
 clean: ## Remove all builds and outputs, but not the virtual environment

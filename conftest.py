@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Settings of every test: reproducible Hypothesis, no windows, unexpected errors raised, the simulation seed in the
 heading."""
 
@@ -6,6 +7,7 @@ import os
 from hypothesis import settings
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+os.environ.setdefault("MAVLINK20", "1")  # receivers of the tests take MAVLink 2
 os.environ["SIGNUM_RAISE"] = "1"  # an unexpected error of a command is an error of its test
 settings.register_profile("signum", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("signum")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cocotb side of `make bench`: the whole board driven on every clock, every output read, nothing compared."""
 
 import json

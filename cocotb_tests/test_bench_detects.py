@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The test bench itself: broken RTL must fail the comparison, and the message must name clock and signal."""
 
 from pathlib import Path
@@ -8,9 +9,9 @@ from sim.testbench.runner import simulate
 from sim.toolchain import RTL
 
 BREAKS = {
-    "late pointer": ("mem_q[head_q]", "mem_q[after(head_q)]", r"clock \d+: out_data_o is"),
-    "off by one": ("in_ready_o  = !held_q[Depth]", "in_ready_o  = !held_q[Depth-1]", r"clock \d+: in_ready_o is"),
-    "lost word": ("push        = in_valid_i &&", "push        = in_valid_i && !pop &&", r"clock \d+: \w+ is"),
+    "late pointer": ("mem_q[head_q]", "mem_q[after(head_q)]", r"clock \d+: out_data_o: RTL"),
+    "off by one": ("in_ready_o  = !held_q[Depth]", "in_ready_o  = !held_q[Depth-1]", r"clock \d+: in_ready_o: RTL"),
+    "lost word": ("push        = in_valid_i &&", "push        = in_valid_i && !pop &&", r"clock \d+: \w+: RTL"),
 }
 
 

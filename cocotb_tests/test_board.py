@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_board` (`tiny`) against its cycle model on every clock, its results against the frame level."""
 
 import random
@@ -9,9 +10,9 @@ import cocotb
 import numpy as np
 
 from cocotb_tests.env.check import check_cycles
-from cocotb_tests.env.host import RESET_DELAY, Host, Script
+from cocotb_tests.env.host import Host, Script
 from golden.correlate import Job, Plane, Status, grid, run, surface
-from golden.cycle.board import BoardModel
+from golden.cycle.board import RESET_START, BoardModel
 from golden.log import sign
 from golden.params import TINY
 from golden.traffic.peak import surface_beats
@@ -240,7 +241,7 @@ async def _scenario(dut, script, video: str = "none", sink: str = "none", bus: s
     rng = random.Random(cocotb.RANDOM_SEED)
     host = Host(TINY, rng, video, sink, bus)
     clocks = await check_cycles(dut, BoardModel(TINY, fields()), host.play(script(host)),
-                                reset_clocks=RESET_DELAY)
+                                reset_clocks=RESET_START)
     assert clocks > 2000 and host.master.finished > 100
     return host
 

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sign of the Laplacian of Gaussian, frame level: the specification of the board's front end in integers.
 
 The response is that of `scipy.ndimage.gaussian_laplace`: sampled kernels, `g2(y) g(x) + g(y) g2(x)`, on an image
 continued by its border pixels (`cv2.BORDER_REPLICATE`, scipy's mode "nearest"):
 
-1. down the columns: `v = (sum g(k) p(y + k) + 64) >> 7` and `v2` likewise with `g2`;
+1. down the columns: `v = (sum g(k) p(y + k) + 64) >> 7` and `v2` by the same formula with `g2`;
 2. along the rows, unrounded: `response = sum g2(k) v(x + k) + g(k) v2(x + k)`;
 3. `sign = response > 0`.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Packed structs of rtl/slog_pkg.sv and rtl/correlator/slog_fetch_pkg.sv as Python layouts."""
 
 from __future__ import annotations

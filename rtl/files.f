@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 slog_pkg.sv
 array/slog_array_pkg.sv
 peak/slog_compare_pkg.sv

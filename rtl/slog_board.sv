@@ -1,10 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 // The board: two cameras, sign-of-LoG front ends, bit-plane store, correlator, registers. Wiring only.
 //
-// Registers  : AXI4-Lite, rtl/slog_csr.rdl.
+// Registers  : AXI4-Lite, rtl/control/slog_csr.rdl.
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
-// Surface    : AXI4-Stream of scores in raster order for jobs that ask for it; tuser = first, tlast = last of a job.
-// Reset      : reaches the blocks 3 clocks after the pin; transfers in either direction before that are lost. The board
-//              starts in reset at power-up.
+// Surface    : AXI4-Stream of scores in raster order for jobs with the surface bit; tuser = first, tlast = last of a job.
+// Reset      : rst_i is held for 1 clock or more. It reaches the blocks 3 clocks after the pin and leaves them 6 clocks
+//              after; transfers in either direction before the first of these are lost, between them none is made. The
+//              board starts in reset at power-up.
+// Rule       : the correlator reads no slot into which a capture has written since the slot last held a whole frame; so a
+//              result is of one frame or refused.
+`include "slog_assert.svh"
 module slog_board
   import slog_pkg::*;
   import slog_cfg_pkg::*;
@@ -47,7 +52,7 @@ module slog_board
   localparam int unsigned ResultLevelW = $clog2(ResultDepth + 1);
 
   // Front ends
-  logic [Cameras-1:0] hold;
+  logic [Cameras-1:0] hold, stop;
   logic [9:0] width, height;
   logic [Coefs-1:0][CoefBits-1:0] g, g2;
   logic [Cameras-1:0] front_busy, accepted, dropped;
@@ -95,6 +100,7 @@ module slog_board
       .axil_i          (axil_req),
       .axil_o          (axil_rsp),
       .hold_o          (hold),
+      .abort_o         (stop),
       .width_o         (width),
       .height_o        (height),
       .g_o             (g),
@@ -141,7 +147,7 @@ module slog_board
     slog_clock_gate u_gate (
         .clk_i,
         .rst_i   (rst),
-        .active_i(vid_tvalid_i[c] || front_busy[c] || hold[c]),
+        .active_i(vid_tvalid_i[c] || front_busy[c] || hold[c] || stop[c]),
         .clk_o   (clk)
     );
     slog_frontend #(
@@ -161,6 +167,7 @@ module slog_board
         .g_i          (g),
         .g2_i         (g2),
         .hold_i       (hold[c]),
+        .abort_i      (stop[c]),
         .busy_o       (front_busy[c]),
         .word_valid_o (word_valid[c]),
         .word_data_o  (word_data[c]),
@@ -317,4 +324,12 @@ module slog_board
       .busy_o        (work),
       .score_o       (score)
   );
+
+`ifndef SYNTHESIS
+  // Slots partly written: from the first word of a capture until the slot is valid again.
+  logic [7:0] partial_q, partial;
+  assign partial = (partial_q | (8'(wr_valid) << wr_addr / AddrW'(SlotWords))) & ~slot_valid;
+  always_ff @(posedge clk_i) partial_q <= rst ? '0 : partial;
+  `SLOG_ASSERT(SlogBoardOneFrame, rst || !rd_valid || !partial[3'(rd_addr / AddrW'(SlotWords))])
+`endif
 endmodule : slog_board

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Types shared by several blocks. Widths are those of the largest board; smaller boards use fewer values.
 //
 // Score: matching bits of a window, 0..width*height. NoScore marks an absent score.
@@ -7,7 +8,8 @@ package slog_pkg;
   localparam int unsigned ScoreW = 15;
   localparam logic [ScoreW-1:0] NoScore = '1;
 
-  // Why a job was refused; a refused job yields a result with this status and no scores.
+  // Outcome of a job's check: Ok, or the first reason for refusal in this order. A refused job yields a result with its
+  // status and no scores.
   typedef enum logic [2:0] {
     StatusOk        = 3'd0,
     StatusBadWindow = 3'd1,  // width or height outside MinWindow..MaxWindow

@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 """Flows around the RTL: the Verilated board, cocotb runs, registers, lint, synthesis and speeds."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What builds share: Verilator's arguments, digests of what a build is made from, locks, and the ends of logs."""
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from pathlib import Path
 
 from sim.toolchain import RTL, WAIVERS, wave_format
 
-VERILATOR_ARGS = ("-Wall", f"-I{RTL}", str(WAIVERS))
+VERILATOR_ARGS = ("-Wall", f"-I{RTL}", f"-I{RTL / 'gen'}", str(WAIVERS))
 """For lint, cocotb and the Verilated board alike: every warning that is not waived is an error."""
 UNROLL = ("--unroll-count", "2048")
 """The longest loops of the RTL are unrolled."""

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Lists the programs that `make setup` needs and this machine lacks, and the command that installs them. Argument: the Python to use.
 python=${1:-python3}
 missing=""

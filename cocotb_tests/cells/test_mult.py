@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_mult` and its ECP5 twin against one cycle model on every clock."""
 
 import random

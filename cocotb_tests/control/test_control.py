@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_control` against its cycle model on every clock."""
 
 import random
@@ -9,7 +10,7 @@ from cocotb_tests.env.check import check_cycles
 from golden.cycle.control.control import ControlModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import CONFIGS
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.registers.map import fields
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -17,7 +18,7 @@ CLOCKS = 6000
 
 
 def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
-    """Random accesses to the whole map, every input busy; the store answers peeks when it likes."""
+    """Random accesses to the whole map, every input busy; the store answers peeks after random times."""
     c = CONFIGS[config]
     addresses = sorted({f.address for f in fields().values()} | {0x1C, 0x38, 0x88, 0xFC})
     commands = [f.address for name, f in fields().items() if name.endswith(".go") or name == "image_size.width"]
@@ -76,7 +77,7 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
 async def every_clock(dut, shape: str, overlap: int) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
     config = CONFIGS["tiny"]
-    master = AxilMaster(willing(shape, rng), overlap)
+    master = AxilMaster(ready_pattern(shape, rng), overlap)
     seen = dict.fromkeys(("s_axil_bvalid", "s_axil_rvalid", "job_valid_o", "capture_valid_o", "result_ready_o", "irq_o",
                           "hold_o", "slots_clear_o", "peek_valid_o"), 0)
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Every field of the generated registers over AXI4-Lite."""
 
 import random

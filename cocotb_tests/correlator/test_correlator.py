@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_correlator` against its cycle model on every clock, and against the frame level."""
 
 import random
@@ -12,7 +13,7 @@ from golden.cycle.correlator.correlator import CorrelatorModel
 from golden.params import TINY
 from golden.traffic.correlator import CorrelatorTraffic, random_planes
 from golden.traffic.jobs import mixed
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 SCORE_DEPTH = 2 * TINY.max_width
@@ -35,7 +36,7 @@ async def every_clock(dut, shape: str, end: str) -> None:
     ends: tuple[str, ...] = ("source", "results_end", "surface_end")
     if end == "one":
         ends = (ends[SHAPES.index(shape) - 1],)
-    traffic = _traffic(rng, 8, repeats=rng.choice((1, 4)), **{e: willing(shape, rng) for e in ends})
+    traffic = _traffic(rng, 8, repeats=rng.choice((1, 4)), **{e: ready_pattern(shape, rng) for e in ends})
     await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), traffic.stimulus(), None)
     traffic.check()
     assert traffic.scores > 100

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_fetch` against its cycle model on every clock; its parts are tested at full size in files of their own."""
 
 import random
@@ -13,7 +14,7 @@ from golden.cycle.store.store import STORE_LATENCY
 from golden.params import TINY
 from golden.structs import TICKET, pack_job, unpack_job
 from golden.traffic.jobs import mixed
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 SIZE = (47, 35)
@@ -31,7 +32,7 @@ def _tickets_taken(rng: random.Random, jobs: list[Job], source: str, sink: str, 
 
     The store returns noise, which does not affect the control of the unit; every output is compared.
     """
-    offer, take = willing(source, rng), willing(sink, rng)
+    offer, take = ready_pattern(source, rng), ready_pattern(sink, rng)
     waiting = [pack_job(j) for j in jobs]
     held: deque[dict[str, int]] = deque()  # tickets taken whose bank is not yet free
     offered = False

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_grid` against its cycle model, and so the frame-level grid, on every clock."""
 
 import random
@@ -8,7 +9,7 @@ from cocotb_tests.env.check import check_cycles
 from golden.cycle.correlator.grid import GridModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.structs import JOB, unpack_job
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 CLOCKS = 400
@@ -16,7 +17,7 @@ CLOCKS = 400
 
 def _commands(rng: random.Random, source: str, sink: str) -> Stimulus:
     """Random grids, some beyond the coordinate range, with one reset in mid-grid."""
-    offer, take = willing(source, rng), willing(sink, rng)
+    offer, take = ready_pattern(source, rng), ready_pattern(sink, rng)
     held: Inputs | None = None
     room = 0  # stays set until a job is offered
     for t in range(CLOCKS):

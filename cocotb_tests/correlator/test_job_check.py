@@ -1,12 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_job_check` at full size against its cycle model on every clock."""
 
 import random
 from collections import Counter
+from dataclasses import replace
+from typing import Any
 
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
-from golden.correlate import Job, Status
+from golden.correlate import COORDINATE_MAX, Job, Status
 from golden.cycle.correlator.job_check import CHECK_LATENCY, JobCheckModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import FULL
@@ -14,7 +17,27 @@ from golden.structs import JOB, pack_job
 from golden.traffic.jobs import acceptable, mixed
 from sim.testbench.runner import simulate
 
-VALID = [True, False, True, True, False, True, False, False]
+VALID = [True, False, True, True, False, True, True, True]
+"""Slots that `slot_valid_i` names: among them 6 and 7, which the board does not have."""
+
+
+def _far() -> list[Job]:
+    """Jobs that reach so far outside that a sum with its top bit lost would lie inside the image: each axis and end."""
+    jobs = []
+    for axis, side in (("x", "width"), ("y", "height")):
+        for window in (FULL.min_window, 100, FULL.max_window):
+            inside = Job(0, 0, 0, FULL.min_window, FULL.min_window, 2, 0, 0, 1, 1)
+            for far in ((f"tpl_{axis}",), (f"search_{axis}",), (f"offsets_{axis}",),
+                        (f"search_{axis}", f"offsets_{axis}")):
+                values: dict[str, Any] = {side: window, **dict.fromkeys(far, COORDINATE_MAX)}
+                jobs.append(replace(inside, **values))
+    return jobs
+
+
+def _no_such_slot() -> list[Job]:
+    """Jobs that are good but for a slot this board does not have."""
+    return [Job(tpl, 0, 0, FULL.min_window, FULL.min_window, search, 0, 0, 2, 2)
+            for slot in range(FULL.slots, 8) for tpl, search in ((slot, 0), (0, slot))]
 
 
 def _jobs(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bool) -> Stimulus:
@@ -43,6 +66,7 @@ async def every_clock(dut, resets: bool) -> None:
     jobs.append(JOB.pack(fit))
     jobs += [JOB.pack({**fit, name: fit[name] + 1})
              for name in ("tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y")]
+    jobs += map(pack_job, (*_far(), *_no_such_slot()))
     seen: Counter[Status] = Counter()
 
     def count(_i: Inputs, out: Outputs) -> None:

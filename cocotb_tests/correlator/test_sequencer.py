@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_sequencer`, including its walker, against its cycle model on every clock."""
 
 import random
@@ -13,7 +14,7 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
 from golden.structs import STEP, TICKET, pack_job, unpack_job
 from golden.traffic.jobs import mixed
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 SIZE = (47, 35)
@@ -28,7 +29,7 @@ def _model() -> SequencerModel:
 
 def _tickets(rng: random.Random, jobs: list[Job], shapes: dict[str, str], reset_at: int | None) -> Stimulus:
     """A simplified fetch unit: tickets in order while a bank is free, templates and rows written some time later."""
-    ends = {name: willing(shape, rng) for name, shape in shapes.items()}
+    ends = {name: ready_pattern(shape, rng) for name, shape in shapes.items()}
     waiting = deque(jobs)
     loading: deque[tuple[int, int]] = deque()  # (bank, rows still to write)
     bank, used, done, written, given = 1, 0, 0, 0, 0

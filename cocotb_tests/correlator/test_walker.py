@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_walker` against its cycle model on every clock."""
 
 import random
@@ -11,7 +12,7 @@ from golden.cycle.correlator.walker import WalkerModel, row_counts
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
 from golden.structs import STEP, STEP_ROW
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 
@@ -27,7 +28,7 @@ def _random_row(rng: random.Random, pitch: int, ring: int) -> int:
 
 def _rows(rng: random.Random, source: str, pitch: int, ring: int, count: int, reset_at: int) -> Stimulus:
     """`count` random rows offered by the stall shape `source`, with a reset in clock `reset_at`."""
-    offer = willing(source, rng)
+    offer = ready_pattern(source, rng)
     row: int | None = None
     clock = 0
     while count:

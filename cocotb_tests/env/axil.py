@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """AXI4-Lite master as part of a stimulus: plays accesses on the five channels, one after another or overlapped."""
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class AxilMaster:
     """Call `drive` for a clock's inputs, `observe` with its outputs.
 
     Args:
-        ready: willingness of the response channels, clock by clock.
+        ready: whether the response channels are ready, clock by clock.
         overlap: accesses under way at once; 1 keeps the order of reads and writes among each other.
     """
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares a module with its cycle model on every clock and every output.
 
 A stimulus is a generator: it yields the inputs of a clock and receives the outputs sampled in that clock. It drives the
@@ -27,7 +28,7 @@ async def check_cycles(
     """Drive `stimulus` into `dut` and `model` and compare every output on every clock.
 
     Inputs change just after the rising edge; outputs are sampled at the falling edge, so paths from input to output
-    within a clock are checked too. The model sees the reset clocks as well but its outputs there are not compared
+    within a clock are checked too. The model is stepped during reset, but its outputs there are not compared
     (the power-up state is random).
 
     Returns:
@@ -38,7 +39,7 @@ async def check_cycles(
     """
     handles = {name: getattr(dut, name) for name in (*model.INPUTS, *model.OUTPUTS)}
     idle = dict.fromkeys(model.INPUTS, 0)
-    # Reset is asserted before the first edge: assertions must not see the random power-up state.
+    # Reset is asserted before the first edge: assertions must not be evaluated on the random power-up state.
     dut.clk_i.value = 0
     for name in model.INPUTS:
         handles[name].value = int(name == "rst_i")
@@ -73,7 +74,7 @@ async def check_cycles(
                 if want is not None and got != want:
                     trail = "\n".join(f"  clock {t}: {v}" for t, v in history)
                     raise AssertionError(
-                        f"clock {clocks}: {name} is {got:#x}, model says {want:#x}; seed {cocotb.RANDOM_SEED}\n{trail}")
+                        f"clock {clocks}: {name}: RTL {got:#x}, model {want:#x}; seed {cocotb.RANDOM_SEED}\n{trail}")
             clocks += 1
             if observe:
                 observe(i, seen)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The surroundings of the whole board as a stimulus: host registers, cameras and surface sink, clock by clock.
 
 A scenario is a generator that yields once per clock and calls the methods here, most of which are generators too.
@@ -12,17 +13,16 @@ from dataclasses import astuple
 
 from cocotb_tests.env.axil import AxilMaster
 from golden.correlate import Job, Neighbours, Result, Status
+from golden.cycle.board import RESET_END
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import Image, kernels
 from golden.params import Config
-from golden.traffic.stalls import willing
+from golden.traffic.stalls import ready_pattern
 from golden.traffic.video import Beat, good
 from sim.registers.map import address, fields, word
 
 Script = Generator[None, None, None]
 """A scenario or a part of one: yields once per clock."""
-RESET_DELAY = 3
-"""Clocks from `rst_i` to the reset of the blocks."""
 LIMIT = 30_000
 """Longest wait, clocks."""
 
@@ -41,9 +41,9 @@ class Host:
     def __init__(self, config: Config, rng: random.Random, video: str = "none", sink: str = "none",
                  bus: str = "none") -> None:
         self.config, self.rng = config, rng
-        self.master = AxilMaster(willing(bus, rng))
-        self.offer = [willing(video, rng) for _ in range(config.cameras)]
-        self.take: Iterator[int] = willing(sink, rng)
+        self.master = AxilMaster(ready_pattern(bus, rng))
+        self.offer = [ready_pattern(video, rng) for _ in range(config.cameras)]
+        self.take: Iterator[int] = ready_pattern(sink, rng)
         self.beats: list[deque[Beat]] = [deque() for _ in range(config.cameras)]
         self.held = [False] * config.cameras
         self.surface: list[tuple[int, int, int]] = []
@@ -124,7 +124,7 @@ class Host:
         self.master.reset()
         yield from self.pause(clocks)
         self.rst = 0
-        yield from self.pause(RESET_DELAY)
+        yield from self.pause(RESET_END)
         self.deaf = False
 
     # Registers

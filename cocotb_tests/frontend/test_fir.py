@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_fir` against its cycle model on every clock."""
 
 import random
@@ -9,7 +10,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.frontend.fir import FirModel, adder_levels
 from golden.cycle.model import Inputs, Outputs, Stimulus
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 
@@ -17,7 +18,7 @@ def _windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
     radius, latency = p["Radius"], 6 + adder_levels(p["Radius"])
     bits = p["DataW"] * (2 * radius + 1)
-    offer = willing(shape, rng)
+    offer = ready_pattern(shape, rng)
     for run in range(12):
         coef = rng.getrandbits(18 * (radius + 1) * p["Kernels"])
         yield {"coef_i": coef, "window_i": rng.getrandbits(bits)}

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_frontend` against its cycle model on every clock."""
 
 import random
@@ -12,7 +13,7 @@ from golden.cycle.frontend.frontend import FrontendModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.log import Coefs, binarise, kernels
 from golden.params import TINY
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from golden.traffic.video import BAD_KINDS, Item, VideoRecord, bad, good, play, settings_of, stray, texture
 from sim.testbench.runner import simulate
 
@@ -33,7 +34,7 @@ def _model() -> FrontendModel:
 def _video(rng: random.Random, items: list[Item], common: Inputs, source: str, gap: int = 0) -> Stimulus:
     """`items` played, the settings one clock before them."""
     yield common
-    yield from play(items, common, willing(source, rng), rng, gap=gap)
+    yield from play(items, common, ready_pattern(source, rng), rng, gap=gap)
 
 
 @cocotb.test()
@@ -113,14 +114,14 @@ async def reset_in_mid_frame(dut) -> None:
     def stimulus() -> Stimulus:
         yield common
         for _ in range(8):
-            run = play([good(texture(rng, width, height)) for _ in range(2)], common, willing("none", rng), rng)
+            run = play([good(texture(rng, width, height)) for _ in range(2)], common, ready_pattern("none", rng), rng)
             i = next(run)
             for _ in range(rng.randint(1, 2 * width * height)):
                 i = run.send((yield i))
             yield {**common, "rst_i": 1, "tvalid_i": 1}
         seen.planes.clear()
         seen.accepted = seen.drops = seen.starts = seen.aborts = 0
-        yield from play(last, common, willing("none", rng), rng)
+        yield from play(last, common, ready_pattern("none", rng), rng)
 
     await check_cycles(dut, _model(), stimulus(), seen.observe)
     seen.check(last, *_kernels(sigma))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_log` against its cycle model on every clock."""
 
 import random
@@ -13,7 +14,7 @@ from golden.cycle.frontend.video_in import VideoInModel
 from golden.cycle.model import Inputs, Outputs, Stimulus, run_model
 from golden.log import kernels
 from golden.params import TINY
-from golden.traffic.stalls import willing
+from golden.traffic.stalls import ready_pattern
 from golden.traffic.video import bad, good, play, texture
 from sim.testbench.runner import simulate
 
@@ -24,7 +25,7 @@ def _recorded(rng: random.Random, radius: int, width: int, height: int, shape: s
     faint = np.random.default_rng(1).integers(126, 130, (height, width), dtype=np.uint8)
     items = [good(texture(rng, width, height)), good(texture(rng, width, height)),
              bad("cut_line", texture(rng, width, height), rng), good(texture(rng, width, height)), good(faint)]
-    run_model(VideoInModel(radius), play(items, {"width_i": width, "height_i": height}, willing(shape, rng), rng),
+    run_model(VideoInModel(radius), play(items, {"width_i": width, "height_i": height}, ready_pattern(shape, rng), rng),
               lambda _, out: clocks.append(pixel_inputs(out)))
     return clocks
 

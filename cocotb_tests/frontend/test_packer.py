@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_packer` against its cycle model on every clock."""
 
 import random
@@ -9,13 +10,13 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.frontend.packer import PackerModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 
 def _rows(rng: random.Random, shape: str, group: int) -> Stimulus:
     """Rows of 1 bit to a little more than three words, some cut off by an abort; one reset."""
-    offer = willing(shape, rng)
+    offer = ready_pattern(shape, rng)
     for n in range(60):
         length = rng.randint(1, 3 * group + 1)
         for x in range(length):

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_taps` against its cycle model on every clock."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_peak` against its cycle model on every clock, and against the frame-level peak search."""
 
 import random
@@ -9,7 +10,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.peak.peak import PeakModel
 from golden.traffic.peak import PeakTask, PeakTraffic, random_task, refused_task
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 
@@ -44,15 +45,15 @@ async def _run(dut, traffic: PeakTraffic) -> PeakTraffic:
 @cocotb.parametrize(shape=SHAPES)
 async def results_stalled(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
-    await _run(dut, PeakTraffic(_mixed_tasks(rng, 30, params()["MaxOffsets"]), rng, results=willing(shape, rng)))
+    await _run(dut, PeakTraffic(_mixed_tasks(rng, 30, params()["MaxOffsets"]), rng, results=ready_pattern(shape, rng)))
 
 
 @cocotb.test()
 @cocotb.parametrize(shape=SHAPES)
 async def surface_stalled(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 1)
-    await _run(dut, PeakTraffic(_mixed_tasks(rng, 20, params()["MaxOffsets"]), rng, surface=willing(shape, rng),
-                               results=willing("cyclic", rng)))
+    await _run(dut, PeakTraffic(_mixed_tasks(rng, 20, params()["MaxOffsets"]), rng, surface=ready_pattern(shape, rng),
+                               results=ready_pattern("cyclic", rng)))
 
 
 @cocotb.test()
@@ -60,7 +61,7 @@ async def surface_stalled(dut, shape: str) -> None:
 async def gaps_between_scores(dut, shape: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 2)
     tasks = _mixed_tasks(rng, 20, params()["MaxOffsets"])
-    await _run(dut, PeakTraffic(tasks, rng, scores=willing(shape, rng), latency=3))
+    await _run(dut, PeakTraffic(tasks, rng, scores=ready_pattern(shape, rng), latency=3))
 
 
 @cocotb.test()
@@ -87,7 +88,8 @@ async def equal_jobs_never_wait(dut) -> None:
 async def reset_in_mid_work(dut) -> None:
     rng = random.Random(cocotb.RANDOM_SEED + 5)
     for reset_at in (61, 148, 233):
-        await _run(dut, PeakTraffic(_mixed_tasks(rng, 12, 20), rng, reset_at=reset_at, results=willing("random", rng)))
+        await _run(dut, PeakTraffic(_mixed_tasks(rng, 12, 20), rng, reset_at=reset_at,
+                                    results=ready_pattern("random", rng)))
 
 
 @pytest.mark.parametrize(("max_offsets", "score_bits", "score_depth", "result_depth", "testcase"), [

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The parts of `slog_peak`, each against its cycle model on every clock, all in one bench (`tb_peak_parts`)."""
 
 import random
@@ -21,7 +22,7 @@ from golden.cycle.peak.running_max import RunningMaxModel
 from golden.cycle.peak.structs import OUTCOME, PRESENT, SCAN, SCORE_ROW, SCORING
 from golden.params import SCORE_BITS
 from golden.structs import CONTEXT, Layout
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 CLOCKS = 600
@@ -55,7 +56,7 @@ def _maybe(rng: random.Random, top: int) -> int:
 
 
 def _stage(rng: random.Random, shape: str) -> Stimulus:
-    offer, take = willing("random", rng), willing(shape, rng)
+    offer, take = ready_pattern("random", rng), ready_pattern(shape, rng)
     held = 0
     while True:
         held = held or next(offer) * rng.randint(1, 4095)
@@ -64,7 +65,7 @@ def _stage(rng: random.Random, shape: str) -> Stimulus:
 
 
 def _room(rng: random.Random, shape: str) -> Stimulus:
-    widest, ask, leave = params()["MaxOffsets"], willing(shape, rng), willing("random", rng)
+    widest, ask, leave = params()["MaxOffsets"], ready_pattern(shape, rng), ready_pattern("random", rng)
     held = 0
     while True:
         i = {"row_valid_i": next(ask), "row_offsets_i": rng.randint(1, widest),
@@ -74,7 +75,7 @@ def _room(rng: random.Random, shape: str) -> Stimulus:
 
 
 def _rows(rng: random.Random, shape: str) -> Stimulus:
-    offer, take = willing("random", rng), willing(shape, rng)
+    offer, take = ready_pattern("random", rng), ready_pattern(shape, rng)
     there = 0
     while True:
         ok = rng.random() < 0.7
@@ -86,7 +87,7 @@ def _rows(rng: random.Random, shape: str) -> Stimulus:
 
 
 def _intake(rng: random.Random, shape: str) -> Stimulus:
-    scores, surf = willing(shape, rng), willing("cyclic", rng)
+    scores, surf = ready_pattern(shape, rng), ready_pattern("cyclic", rng)
     used, coming, row, taken = 0, None, None, 0
     top = (1 << params()["ScoreBits"]) - 1
     while True:
@@ -109,7 +110,7 @@ def _intake(rng: random.Random, shape: str) -> Stimulus:
 
 
 def _running_max(rng: random.Random, shape: str) -> Stimulus:
-    offer = willing(shape, rng)
+    offer = ready_pattern(shape, rng)
     while True:
         count = rng.choice((1, 1, 2, 3, 4, 17))
         top = rng.choice((1, FEW, PRESENT - 1))
@@ -123,7 +124,7 @@ def _running_max(rng: random.Random, shape: str) -> Stimulus:
 
 def _best(rng: random.Random, shape: str) -> Stimulus:
     """Rows of jobs; the maxima of some of the waiting rows have arrived."""
-    take, room_there = willing(shape, rng), willing("cyclic", rng)
+    take, room_there = ready_pattern(shape, rng), ready_pattern("cyclic", rng)
     waiting: list[int] = []
     tops: list[tuple[int, int]] = []
     coming: tuple[int, int] | None = None
@@ -150,7 +151,7 @@ def _best(rng: random.Random, shape: str) -> Stimulus:
 
 
 def _scan(rng: random.Random, shape: str) -> Stimulus:
-    offer = willing(shape, rng)
+    offer = ready_pattern(shape, rng)
     data, room = [0] * BANKS, 0
     while True:
         last_x = rng.choice((0, 0, 1, 2, 6, 23))
@@ -169,7 +170,7 @@ def _scan(rng: random.Random, shape: str) -> Stimulus:
 
 
 def _collect(rng: random.Random, shape: str) -> Stimulus:
-    ends = willing(shape, rng)
+    ends = ready_pattern(shape, rng)
     # A job begins with a first column, and a first row holds the best so far.
     yield {"near_first_i": 1, "far_valid_i": 1, "far_i": _maybe(rng, FEW),
            "outcome_i": _anything(rng, OUTCOME, fresh=1, other=_maybe(rng, FEW), score=_maybe(rng, FEW))}

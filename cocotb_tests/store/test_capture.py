@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`slog_capture` against its cycle model on every clock."""
 
 import itertools
@@ -143,6 +144,37 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
     assert await check_cycles(dut, model, _frames_and_commands(rng, p, tight, resets), watch) == CLOCKS
     assert seen.captures >= 4 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 1
     assert p["Cameras"] == 1 or seen.both >= 1
+
+
+@cocotb.test()
+async def commands_in_consecutive_clocks(dut) -> None:
+    """A command sees the effect of the command in the clock before: a slot is never given to both cameras."""
+    p = params()
+    rng = random.Random(cocotb.RANDOM_SEED)
+    model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
+    taken, freed = 0, 0
+
+    def stimulus() -> Stimulus:
+        nonlocal taken, freed
+        other = 0
+        for _ in range(60):
+            # Camera 0 moves its request from one slot to another; in the next clock camera 1 asks for one of the two.
+            before, after = rng.sample(range(3), 2)
+            wanted = rng.choice((before, after))
+            for camera, slot, cancel in ((0, before, 0), (1, 0, 1), (0, after, 0), (1, wanted, 0)):
+                yield {"cmd_valid_i": 1, "cmd_camera_i": camera ^ other, "cmd_slot_i": slot, "cmd_cancel_i": cancel}
+            yield {}
+            out = yield {}  # of the last command
+            if p["Cameras"] == 2:
+                assert out["refused_o"] == (wanted == after)
+            taken += wanted == after
+            freed += wanted == before
+            for camera in (0, 1):
+                yield {"cmd_valid_i": 1, "cmd_camera_i": camera, "cmd_cancel_i": 1}
+            other ^= 1
+
+    await check_cycles(dut, model, stimulus())
+    assert taken > 10 and freed > 10
 
 
 def _burst(p: dict[str, int]) -> Stimulus:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Port values as Python integers: packed vectors, two's complement, undefined values."""
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_board`, composed of the models of its blocks.
 
-Within a clock every signal between blocks comes from a register; an input from a block stepped later is read from the
+Within a clock every signal between blocks is a register's output; an input from a block stepped later is read from the
 state of that block's model.
 """
 
@@ -21,6 +22,9 @@ from golden.cycle.store.capture import CaptureModel
 from golden.cycle.store.store import StoreModel
 from golden.params import PIXEL_BITS, Config
 
+RESET_START, RESET_END = 3, 6
+"""Clocks from the reset at the pin to that of the blocks; from its end to their end, which is later."""
+
 
 class BoardModel:
     """The whole board. Vectors over cameras are packed, camera 0 lowest.
@@ -36,7 +40,7 @@ class BoardModel:
 
     def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
         c = self.config = config
-        self.resets = deque([1, 1, 1])  # rst_i of the three clocks before
+        self.resets = deque([1] * RESET_END, RESET_END)  # rst_i of the clocks before, the latest last
         self.control = ControlModel(c, fields)
         self.front = [FrontendModel(c.max_width, c.radius, c.group_bits) for _ in range(c.cameras)]
         self.capture = CaptureModel(c.cameras, c.group_bits, c.slots, c.slot_words, c.words_per_row)
@@ -47,8 +51,8 @@ class BoardModel:
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        rst = int(any(list(self.resets)[:RESET_END - RESET_START + 1]))
         self.resets.append(i["rst_i"])
-        rst = self.resets.popleft()
         i = {**i, "rst_i": rst}
         control = self.control.outputs()
         capture = self.capture.outputs()
@@ -90,6 +94,7 @@ class BoardModel:
         for c, front in enumerate(self.front):
             out = front.step({
                 "rst_i": i["rst_i"], **settings, "hold_i": control["hold_o"] >> c & 1,
+                "abort_i": control["abort_o"] >> c & 1,
                 "tdata_i": i["vid_tdata_i"] >> PIXEL_BITS * c & (1 << PIXEL_BITS) - 1,
                 **{f"t{name}_i": i[f"vid_t{name}_i"] >> c & 1 for name in ("valid", "user", "last")}})
             for name, value in out.items():

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The contract of a cycle model, and how one runs without a simulator."""
 
 from __future__ import annotations

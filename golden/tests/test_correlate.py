@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Frame-level correlation against brute force, and its properties."""
 
 from dataclasses import replace
@@ -95,7 +96,7 @@ def test_negation(job: Job, a: Plane, b: Plane) -> None:
 @settings(max_examples=40, deadline=None)
 @given(jobs(), PLANES, st.integers(-5, 5), st.integers(-5, 5))
 def test_shift_is_found(job: Job, a: Plane, dx: int, dy: int) -> None:
-    """A search plane that is the template plane rolled has a perfect score where the roll says, if it is searched."""
+    """A template plane, rolled, has a perfect score at the offset of the roll, if that offset is searched."""
     b = np.roll(a, (dy, dx), (0, 1))
     x, y = job.tpl_x + dx, job.tpl_y + dy
     inside = (x >= 0 and x + job.width <= WIDTH and y >= 0 and y + job.height <= HEIGHT)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The cycle model of the correlator against the frame level, and the share of clocks with a score."""
 
 from __future__ import annotations

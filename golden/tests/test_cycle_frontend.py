@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The front end's cycle model against the frame-level LoG, on good and bad streams."""
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from golden.cycle.frontend.frontend import FrontendModel
 from golden.cycle.model import run_model
 from golden.log import kernels
 from golden.params import TINY
-from golden.traffic.stalls import SHAPES, willing
+from golden.traffic.stalls import SHAPES, ready_pattern
 from golden.traffic.video import BAD_KINDS, Item, VideoRecord, bad, good, play, settings_of, stray, texture
 
 R = TINY.radius
@@ -21,7 +22,7 @@ def _run(items: list[Item], width: int, height: int, sigma: float, shape: str, s
     rng = random.Random(seed)
     seen = VideoRecord(TINY.group_bits, width)
     model = FrontendModel(TINY.max_width, R, TINY.group_bits)
-    run_model(model, play(items, settings_of(width, height, g, g2), willing(shape, rng), rng), seen.observe)
+    run_model(model, play(items, settings_of(width, height, g, g2), ready_pattern(shape, rng), rng), seen.observe)
     seen.check(items, g, g2)
     return seen
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The peak unit's cycle model against the frame-level peak search; its rate; its queues when full."""
 
 import random

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fetch and sequencer models: their operand writes and steps, replayed on plain memories, give brute-force scores."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The frame-level LoG: exact against brute force, faithful to a float64 LoG, and its properties."""
 
 from __future__ import annotations
@@ -133,7 +134,7 @@ def test_constants_and_ramps_give_nothing(sigma: float, radius: int) -> None:
 
 
 def float_response(image: Image, sigma: float, reach: float) -> npt.NDArray[np.float64]:
-    """Of a float64 LoG cut `reach` sigmas out, in grey levels per px^2.
+    """Response of a float64 LoG cut `reach` sigmas out, in grey levels per px^2.
 
     The mean that the cut leaves in the kernel is taken out in proportion to the Gaussian: a LoG ignores brightness.
     """

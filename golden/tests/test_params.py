@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Configurations: contradictory ones are refused, and the committed packages are those of the named ones."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random windows for `slog_operands` and `slog_array`, with their mismatches by plain counting."""
 
 from __future__ import annotations

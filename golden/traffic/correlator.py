@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The surroundings of the correlator for its tests: a source of jobs, the bit-plane store, a host that takes results.
 
 `CorrelatorTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together.

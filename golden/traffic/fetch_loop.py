@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fetch, store and sequencer models in a loop, with stalls: the correlator up to the operands of its array."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random jobs of every kind, for tests: acceptable ones of all shapes, and refused ones of every status."""
 
 from __future__ import annotations

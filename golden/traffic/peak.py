@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The surroundings of the peak unit for its tests: a sequencer and an array that send jobs, a host that takes results.
 
 `PeakTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Words through a queue, for the modules with the ports of `slog_fifo`."""
 
 from __future__ import annotations
@@ -5,12 +6,12 @@ from __future__ import annotations
 import random
 
 from golden.cycle.model import Stimulus
-from golden.traffic.stalls import willing
+from golden.traffic.stalls import ready_pattern
 
 
 def queue_words(rng: random.Random, source: str, sink: str, width: int, clocks: int) -> Stimulus:
     """`clocks` clocks of random words of `width` bits, both ends stalled by shape, with one reset half-way."""
-    offer, take = willing(source, rng), willing(sink, rng)
+    offer, take = ready_pattern(source, rng), ready_pattern(sink, rng)
     held: int | None = None
     for t in range(clocks):
         if held is None and next(offer):

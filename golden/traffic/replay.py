@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The scores of the array from the operand writes and the steps alone, replayed on plain memories.
 
 Checks the contract of the schedule (rtl/array/slog_array_pkg.sv): a word is not overwritten while it may still be

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stall shapes: endless streams of 0/1, whether one end of a handshake is ready in a clock."""
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from itertools import cycle, repeat
 SHAPES = ("none", "cyclic", "random", "long")
 
 
-def willing(shape: str, rng: random.Random) -> Iterator[int]:
+def ready_pattern(shape: str, rng: random.Random) -> Iterator[int]:
     """Endless stream of `shape`: always 1; 1110 over and over; a fair coin; long runs of either.
 
     Raises:

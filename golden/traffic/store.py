@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A bit-plane store that holds given planes, as the surroundings of the correlator."""
 
 from __future__ import annotations

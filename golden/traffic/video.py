@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Good and bad video streams as beats of an AXI4-Stream video input, and what the front end must make of them."""
 
 from __future__ import annotations
@@ -167,7 +168,7 @@ def settings_of(width: int, height: int, g: Coefs, g2: Coefs) -> Inputs:
 
 
 def play(items: list[Item], settings: Inputs, offer: Iterator[int], rng: random.Random, gap: int = 0,
-         hold: Iterator[int] | None = None, most: int = 200_000) -> Stimulus:
+         hold: Iterator[int] | None = None, abort: Iterator[int] | None = None, most: int = 200_000) -> Stimulus:
     """Stimulus: the items one after another, then until the front end is idle.
 
     Data wires are random while nothing is offered.
@@ -179,6 +180,7 @@ def play(items: list[Item], settings: Inputs, offer: Iterator[int], rng: random.
         rng: of pauses and idle wires.
         gap: longest random pause between items, clocks.
         hold: values of `hold_i`; 0 throughout by default.
+        abort: values of `abort_i`; 0 throughout by default.
         most: clocks allowed.
 
     Raises:
@@ -189,7 +191,7 @@ def play(items: list[Item], settings: Inputs, offer: Iterator[int], rng: random.
     def beat(b: Beat | None) -> Inputs:
         data, user, last = b if b else (rng.getrandbits(8), rng.getrandbits(1), rng.getrandbits(1))
         return {**settings, "rst_i": 0, "tvalid_i": int(b is not None), "tdata_i": data, "tuser_i": user,
-                "tlast_i": last, "hold_i": next(hold) if hold else 0}
+                "tlast_i": last, "hold_i": next(hold) if hold else 0, "abort_i": next(abort) if abort else 0}
 
     clocks = 0
     for item in items:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Accumulates each lane's counts over a pass; total and count are bit-skewed: bit i is one clock after bit i-1.
 //
 //   total[k] = (first ? 0 : total[k]) + count[k] + extra[k]

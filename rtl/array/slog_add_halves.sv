@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Registered full adders in every lane: each adds one bit of either half of a word and a carry.
 //
 //   2 * carry_o[k] + sum_o[k] = bits_i[k][Width-1:0] + bits_i[k][2*Width-1:Width] + carry_i[k]     (bit by bit)

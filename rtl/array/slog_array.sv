@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Output-stationary systolic XOR/popcount array: each lane scores one horizontal offset of a window.
 //
 //   mismatch[k] = sum over the pass's rows and both groups of popcount((tpl ^ search[GroupBits-1+k : k]) & mask)
@@ -7,7 +8,7 @@
 //
 // Stage                 registers              valid at lane k, bit i after the operands' clock (L = Levels)
 //   hop, XOR            slog_lanes             2 + k
-//   heap of adders      slog_popcount          2 + L + k + i
+//   tree of adders      slog_popcount          2 + L + k + i
 //   sum over rows       slog_accumulator       4 + L + k + i
 //   lane selection      slog_emit              7 + L + k + i
 //   deskewed score      mismatch_o             6 + L + ScoreBits + k = slog_array_pkg::core_latency + k
@@ -23,6 +24,7 @@
 //              block does not clear them. With move_i low no work is done.
 // Formats    : mismatch unsigned, 0..(2*GroupBits)**2 (slog_peak_intake asserts it against the window's area); 0 while
 //              mismatch_valid_o is low, see slog_emit for reset.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_array #(
     parameter  int unsigned GroupBits  = 8,
@@ -99,7 +101,9 @@ module slog_array #(
   end
 `endif
   `SLOG_ASSERT_INIT(SlogArraySizes, GroupBits == 2 ** Levels && Lanes >= 2)
-  `SLOG_ASSERT(SlogArrayZero, valid_i || !move_i || $past(rst_i)
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_PAST(past_mask, mask_i)
+  `SLOG_ASSERT(SlogArrayZero, valid_i || !move_i || past_rst
                               || ({tpl_a_i, tpl_b_i} == '0 && {search_a_i, search_b_i} == '0))
-  `SLOG_ASSERT(SlogArrayMaskStatic, $stable(mask_i) || moves_since_valid >= Lanes)
+  `SLOG_ASSERT(SlogArrayMaskStatic, mask_i == past_mask || moves_since_valid >= Lanes)
 endmodule : slog_array

@@ -1,4 +1,5 @@
-// Timing of slog_operands and slog_array, as functions of their parameters. Mirrored in golden/array_timing.py.
+// SPDX-License-Identifier: Apache-2.0
+// Timing of slog_operands and slog_array, as functions of their parameters. Mirrored in golden/cycle/array/timing.py.
 //
 // All counts are clocks from the clock in which slog_operands' step_i.valid is high.
 package slog_array_pkg;

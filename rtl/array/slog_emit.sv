@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Outputs the lanes' totals, one per clock: lane k's total is complete one clock after lane k-1's.
 //
 //   mismatch = total of lane 0, 1, .. lanes-1, in that order
@@ -11,7 +12,8 @@
 //
 // Latency    : last_i to mismatch_valid_o of lane 0: 3 + ScoreBits clocks.
 // Throughput : one score per clock; last_i follows the last_i before it by at least that one's lanes_i clocks.
-// Reset      : no new token is made; tokens in flight shift out within ScoreBits clocks, before a new pass can end.
+// Reset      : rst_i is held for 1 clock or more. No new token is made; tokens in flight shift out within ScoreBits
+//              clocks, before a new pass can end.
 // Formats    : mismatch unsigned; lanes_i 1..Lanes. mismatch_o is 0 while mismatch_valid_o is low, from ScoreBits + 3
 //              clocks with move_i high after a reset on.
 `include "slog_assert.svh"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Passes one operand group from lane to lane and compares template and search bits in each lane.
 //
 //   x[k] = (tpl ^ search[GroupBits-1+k : k]) & mask     for lane k

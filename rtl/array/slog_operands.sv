@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Holds the correlator array's operands, two templates and a ring of search rows, and reads a row of both per clock.
 //
 //   tpl_a = template row s, tpl_b = template row s+1, s = 2*tpl_step; search rows ring_row and the next    (paired)
@@ -18,6 +19,7 @@
 //              word's wr_valid_i, and the word may be overwritten slog_array_pkg::ReuseClocks after the last such step.
 //              step_i.lanes 1..Lanes; rows lie within the ring or the template. move_o stays high for
 //              slog_array_pkg::hold_clocks after valid_o; then it falls if HoldIdle is set, and the array holds.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_operands #(
     parameter  int unsigned GroupBits   = 8,
@@ -230,6 +232,7 @@ module slog_operands #(
                                  && 32'(step_i.ring_row) < RingRows && 32'(step_i.tpl_step) < 2 * GroupBits))
   `SLOG_ASSERT(SlogOperandsWrite, !wr_valid_i || 32'(wr_row_i) < (wr_tpl_i ? 2 * GroupBits : RingRows))
   `SLOG_ASSERT(SlogOperandsTplReuse, !(wr_tpl_a_q && tpl_a_taken) && !(wr_tpl_b_q && tpl_b_taken))
-  `SLOG_ASSERT(SlogOperandsZeroA, valid_o || $past(rst_i) || (tpl_a_o == '0 && search_a_o == '0))
-  `SLOG_ASSERT(SlogOperandsZeroB, (valid_o && row_b_o) || $past(rst_i) || (tpl_b_o == '0 && search_b_o == '0))
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_ASSERT(SlogOperandsZeroA, valid_o || past_rst || (tpl_a_o == '0 && search_a_o == '0))
+  `SLOG_ASSERT(SlogOperandsZeroB, (valid_o && row_b_o) || past_rst || (tpl_b_o == '0 && search_b_o == '0))
 endmodule : slog_operands

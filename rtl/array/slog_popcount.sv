@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Counts the ones of both groups in every lane, except group A's bit 0, which is output as extra_o and added later.
 //
 //   count[k] + extra[k] = popcount(a_i[k]) + popcount(b_i[k])

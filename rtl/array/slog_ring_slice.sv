@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Selects a few bits of every unit of the operand rows from the words that the search ring's memories output.
 //
 //   a = units chunk .. chunk+2 of the row of parity odd_a
@@ -14,6 +15,7 @@
 //   5    a_o b_o            5: units in order; zero if blank_a_i, blank_b_i or rst_i was high two clocks before
 //
 // Throughput : one choice per clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_ring_slice #(
     parameter  int unsigned UnitBits = 4,
@@ -82,5 +84,7 @@ module slog_ring_slice #(
     else b_o <= {b_q4[1][UnitBits-1:0], b_q4[0]};
   end
 
-  `SLOG_ASSERT(SlogRingSliceBlank, (!$past(blank_a_i, 2) || a_o == '0) && (!$past(blank_b_i, 2) || b_o == '0))
+  `SLOG_PAST(past_blank, {blank_b_i, blank_a_i})
+  `SLOG_PAST(past_blank2, past_blank)
+  `SLOG_ASSERT(SlogRingSliceBlank, (!past_blank2[0] || a_o == '0) && (!past_blank2[1] || b_o == '0))
 endmodule : slog_ring_slice

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ring of search rows, read as two operand rows of GroupBits + Pitch bits that start at any multiple of Pitch.
 //
 //   a = units chunk .. chunk+2 of row            b = units chunk+2 .. chunk+4 of row           (wide)
@@ -15,6 +16,7 @@
 // Throughput : one read and one write per clock.
 // Rules      : a word whose group is not blanked is not written in the clock of the row_i that reads it: earlier writes
 //              are seen, later ones are not. Words past the end of a row are undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_search_ring #(
     parameter  int unsigned GroupBits   = 8,
@@ -137,6 +139,11 @@ module slog_search_ring #(
     return (row[0] ? wr_odd_i : wr_even_i) && wr_pair_i == row[RowW-1:1] && 5'(wr_word_i) == place;
   endfunction
   logic clash_a, clash_b;
+  logic [5:1] past_clash_a, past_clash_b;  // [k]: k clocks ago
+  always_ff @(posedge clk_i) begin
+    past_clash_a <= {past_clash_a[4:1], clash_a};
+    past_clash_b <= {past_clash_b[4:1], clash_b};
+  end
   always_comb begin
     clash_a = written(row_i, 5'(chunk_i[4:1])) || written(row_i, 5'(chunk_i[4:1]) + 5'd1);
     clash_b = wide_i ? written(row_i, 5'(chunk_i[4:1]) + 5'd1) || written(row_i, 5'(chunk_i[4:1]) + 5'd2)
@@ -145,5 +152,5 @@ module slog_search_ring #(
 `endif
   `SLOG_ASSERT_INIT(SlogSearchRingSizes, RingRows == 2 ** RowW && RowW >= 2 && GroupBits == 2 * Pitch
                                          && Pitch == Slices * SliceBits && WordsPerRow <= 16)
-  `SLOG_ASSERT(SlogSearchRingSameClock, (!$past(clash_a, 5) || blank_a_i) && (!$past(clash_b, 5) || blank_b_i))
+  `SLOG_ASSERT(SlogSearchRingSameClock, (!past_clash_a[5] || blank_a_i) && (!past_clash_b[5] || blank_b_i))
 endmodule : slog_search_ring

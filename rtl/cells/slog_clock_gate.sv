@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stops an idle block's clock in the fast simulation build (SLOG_CLOCK_GATE).
 //
 // The block's clock runs while active_i is high and for Linger clocks after. active_i must be chosen so that no register
 // of the block changes in any other clock. Without SLOG_CLOCK_GATE the clock passes through, and the logic that drives
 // active_i is optimised away.
+// Reset      : rst_i is held for 1 clock or more.
 module slog_clock_gate #(
     parameter  int unsigned Linger  = 64,
     localparam int unsigned LingerW = $clog2(Linger + 1)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // First-in first-out queue with registered storage and flags and a combinational front.
 //
 // Latency    : a word pushed in clock t is offered in clock t+1.
@@ -5,6 +6,7 @@
 // With Kept  : the user asserts in_valid_i only with in_ready_o and out_ready_i only with out_valid_o. This is checked by an
 //              assertion; the logic that would guard against it is left out.
 // Formats    : opaque words of Width bits; level_o counts the words held, 0..Depth.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_fifo #(
     parameter  int unsigned Width  = 8,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signed multiplier with three register stages, like those of a hard multiplier block.
 //
 //   p = a * b
@@ -39,5 +40,7 @@ module slog_mult (
   end
   assign p_o = 36'(p_q2);
 
-  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, en_i |-> b_i == $past(b_i) && b_i == $past(b_i, 2))
+  `SLOG_PAST(past_b, b_i)
+  `SLOG_PAST(past_b2, past_b)
+  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, !en_i || (b_i == past_b && b_i == past_b2))
 endmodule : slog_mult

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Simple dual-port block RAM with a registered output: one write and one read port.
 //
 // Latency    : rd_data_o holds mem[rd_addr_i] two clocks after rd_en_i (array read, output register).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // First-in first-out queue in block RAM, with a short register queue behind the RAM's output register.
 //
 // Latency    : a word pushed in clock t is offered in clock t+5 at the earliest (register before the RAM, RAM write, RAM read,
@@ -7,6 +8,7 @@
 //              assertion; the logic that would guard against it is left out.
 // Formats    : opaque words of Width bits; level_o counts the words held in RAM, pipeline and queue, 0..Depth. It counts
 //              a popped word for one clock longer.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_ram_fifo #(
     parameter  int unsigned Width  = 8,
@@ -43,8 +45,10 @@ module slog_ram_fifo #(
   logic room_q;                  // two or more places free: the read of the clock before may have taken one of them
   logic read_q, read_q2;         // a word is in the RAM's first and second read stage
   logic push_q;                  // a word is written
-  // Words in the RAM that are not read yet: one just written, or by the pointers of the clock before.
-  logic some, push_q2, some_q, others_q;  // some_q: at least one; others_q: at least one besides that at head_q
+  logic some;                    // the RAM holds a word that is not read yet
+  logic push_q2;                 // such a word was written in the clock before
+  // By the pointers of the clock before: the RAM holds an unread word; it holds one besides that at head_q.
+  logic some_q, others_q;
   logic pop_q;                   // a word left; front_q and level_q follow one clock later, to keep pop's fan-out small
   logic push, pop, read, more, less, full;
   logic two;                     // free_q is two or more in the next clock

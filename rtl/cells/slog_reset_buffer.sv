@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drives the reset net of the whole board: a plain wire.
 //
 // Latency    : none.

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // One register between two handshakes: cuts the timing path from a queue's memory to its user.
 //
 // Latency    : a word accepted in clock t is offered in clock t+1.
 // Throughput : one word per clock; in_ready_o depends on out_ready_i in the same clock. With Half, one word in two clocks,
 //              and in_ready_o depends on a register alone.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_stage #(
     parameter int unsigned Width = 8,

@@ -1,4 +1,5 @@
-// AXI4-Lite to the register block's request port, one access at a time; every output comes from a register.
+// SPDX-License-Identifier: Apache-2.0
+// AXI4-Lite to the register block's request port, one access at a time; every output is a register.
 //
 // When a read and a write both wait, they take turns. A read of WaitAddr waits while wait_i is high; writes overtake it.
 // The pins lie far apart: two pipeline registers follow every address and data input, and k more byte k of written data.
@@ -8,6 +9,7 @@
 //              bytes 2 and 3 of the data follow req_o by 1 and 2 clocks. Nothing is accepted in reset.
 // Throughput : one access per 5 clocks plus the register block's latency, if its response is accepted at once.
 // Formats    : byte addresses; the low two bits are ignored.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_axil #(
     parameter int unsigned      AddrW    = 8,
@@ -156,8 +158,9 @@ module slog_axil #(
 
   `SLOG_ASSERT(SlogAxilCopies, begin_q[0] == (read_q || write_q)
                                && !(aw_q && aw_free_q) && !(w_q && w_free_q) && !(ar_q && ar_free_q))
-  `SLOG_ASSERT(SlogAxilAnswerExpected, wr_ack_i || rd_ack_i |-> under_way_q && !(wr_ack_i && rd_ack_i))
-  `SLOG_ASSERT(SlogAxilRequestStays, under_way_q && !req_o |-> $stable({req_is_wr_o, req_addr_o}))
+  `SLOG_ASSERT(SlogAxilAnswerExpected, !(wr_ack_i || rd_ack_i) || (under_way_q && !(wr_ack_i && rd_ack_i)))
+  `SLOG_PAST(past_request, {req_is_wr_o, req_addr_o})
+  `SLOG_ASSERT(SlogAxilRequestStays, !under_way_q || req_o || {req_is_wr_o, req_addr_o} == past_request)
   `SLOG_ASSERT_STABLE(SlogAxilWriteStable, bvalid_o, bready_i, bvalid_o)
   `SLOG_ASSERT_STABLE(SlogAxilReadStable, rvalid_o, rready_i, rdata_o)
 endmodule : slog_axil

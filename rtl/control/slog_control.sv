@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // Registers and the blocks that only they use: coefficient bank, peek port, counters, interrupt. Wiring, and the translation
 // of register fields to the blocks' ports.
 //
 // Latency    : a command reaches the blocks 9 clocks after its address and data were accepted, result.pop after 11. Values
 //              read are one clock old, result.head.valid two, counts three, counts of results four. irq_o follows a result
 //              by 2 clocks, captures and drops by 3, a lost submit by 4.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_control
   import slog_pkg::*;
@@ -17,6 +19,7 @@ module slog_control
     output axil_rsp_t                      axil_o,
     // front ends
     output logic [Cameras-1:0]             hold_o,
+    output logic [Cameras-1:0]             abort_o,         // pulses: drop the frame that the camera is sending
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,
@@ -216,6 +219,7 @@ module slog_control
   );
 
   // Commands
+  assign abort_o          = Cameras'({hwif_out.filter.abort_1.value, hwif_out.filter.abort_0.value});
   assign capture_valid_o  = hwif_out.capture.go.value;
   assign capture_cancel_o = hwif_out.capture.cancel.value;
   assign capture_camera_o = hwif_out.capture.camera.value;
@@ -341,6 +345,12 @@ module slog_control
   `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
   // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
-  `SLOG_ASSERT(SlogControlPeekAddress, $past(req && !req_is_wr, 3) && !$past(rst_i) && !$past(rst_i, 2)
-                                       |-> hwif_out.peek_data.value.swacc == (req_addr == PeekData))
+  // A reset discards the requests that the register block has not decoded.
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_PAST(past_rst2, past_rst)
+  `SLOG_PAST(past_read, req && !req_is_wr && !rst_i)
+  `SLOG_PAST(past_read2, past_read)
+  `SLOG_PAST(past_read3, past_read2)
+  `SLOG_ASSERT(SlogControlPeekAddress, !past_read3 || past_rst || past_rst2
+                                       || hwif_out.peek_data.value.swacc == (req_addr == PeekData))
 endmodule : slog_control

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 // Event counters of the board, 32 bits each, modulo 2**32, zero after reset.
 //
 // Latency    : count_o includes an event two clocks after it.
 // Throughput : one event of each kind per clock.
+// Reset      : rst_i is held for 1 clock or more.
 module slog_counters #(
     parameter  int unsigned Events = 10,
     localparam int unsigned Bits   = 32

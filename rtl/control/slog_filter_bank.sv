@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Staged filter coefficients and image size, activated together while no frame is being processed.
 //
 // A commit holds back new frames; when every camera has been idle for Settle clocks in a row, the staged values become the
@@ -12,6 +13,7 @@
 //              busy_o falls 2 clocks after that, also after reset. hold_o[c] follows busy_o by c + 1 clocks. A coefficient
 //              of g is staged in 4 clocks, of g2 in 5.
 // Formats    : coefficients signed, 2.15 fixed point ([0] = centre); sizes in pixels.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_filter_bank #(
     parameter int unsigned Cameras   = 2,
@@ -212,7 +214,10 @@ module slog_filter_bank #(
   `SLOG_ASSERT_INIT(SlogFilterBankPlaces, Coefs > 1 && Coefs <= Places)
   `SLOG_ASSERT(SlogFilterBankSize, width_o >= 10'(MinImage) && width_o <= 10'(MaxWidth)
                                    && height_o >= 10'(MinImage) && height_o <= 10'(MaxHeight))
-  `SLOG_ASSERT(SlogFilterBankQuiet, size_changed_o |-> $past(active_i, 3) == '0 && busy_o)
+  `SLOG_PAST(past_active, active_i)
+  `SLOG_PAST(past_active2, past_active)
+  `SLOG_PAST(past_active3, past_active2)
+  `SLOG_ASSERT(SlogFilterBankQuiet, !size_changed_o || (past_active3 == '0 && busy_o))
   `SLOG_ASSERT(SlogFilterBankBusy, busy_o == (pending_q || apply_q || loading_q))
   `SLOG_ASSERT(SlogFilterBankLoaded, loading_q || (shift_g_q == '0 && shift_g2_q == '0 && pulse_q == '0 && !begin_g_q
                                                     && !begin_g_q2 && !begin_g2_q && !begin_g2_q2))

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads the bit-plane store back, 32 bits at a time, through the store's low-priority port.
 //
 // Reading starts at a new address; data_o is the value of the next read, and each read advances. The word after the current
@@ -9,7 +10,10 @@
 // Latency    : go_i to peek_valid_o 5 clocks; ready_o falls 1 clock after go_i, 2 clocks after the take_i of a word's last
 //              32 bits, and rises 2 clocks after peek_done_i; data_o follows it by Chunks + 1 clocks, a take_i by 2.
 // Rule       : address_i is constant for 3 clocks from go_i on.
+// Captures   : a word of a slot that is being written is the old or the new one; if its write leaves for the store in the
+//              clock before its read, it is undefined. Reading advances as always.
 // Formats    : bit 0 is the leftmost pixel; a store word narrower than 32 bits fills the low bits.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peek #(
     parameter  int unsigned GroupBits  = 64,
@@ -129,8 +133,9 @@ module slog_peek #(
   assign ready_o      = have_q && !go_q;
   assign data_o       = data_q;
 
-  `SLOG_ASSERT(SlogPeekReady, take_i || onward_q |-> have_q && !go_i && !go_q)
-  `SLOG_ASSERT(SlogPeekAddressStays, go_q || (new_q && first_q) |-> $stable(address_i))
-  `SLOG_ASSERT(SlogPeekOneNew, new_q || new_q2 |-> !go_q && !onward_q)
-  `SLOG_ASSERT(SlogPeekDoneExpected, peek_done_i |-> flight_q)
+  `SLOG_ASSERT(SlogPeekReady, !(take_i || onward_q) || (have_q && !go_i && !go_q))
+  `SLOG_PAST(past_address, address_i)
+  `SLOG_ASSERT(SlogPeekAddressStays, !(go_q || (new_q && first_q)) || address_i == past_address)
+  `SLOG_ASSERT(SlogPeekOneNew, !(new_q || new_q2) || (!go_q && !onward_q))
+  `SLOG_ASSERT(SlogPeekDoneExpected, !peek_done_i || flight_q)
 endmodule : slog_peek

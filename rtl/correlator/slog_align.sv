@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Funnel shifter: turns the store words of a row into words that begin at the row's first bit.
 //
 //   out word k = {store word k+1, store word k}[shift + Width - 1 : shift]
@@ -11,6 +12,7 @@
 // Throughput : one word per clock.
 // Rule       : the words of a row arrive in consecutive clocks. In the clock after the last word in_data_i
 //              need not belong to the row: output bits past the row's last store word are undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_align #(
     parameter  int unsigned Width   = 64,

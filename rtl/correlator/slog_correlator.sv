@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The correlator: feeds operands from the store to the array, and the array's scores to the peak unit. Wiring only.
 //
 //   jobs -> slog_fetch -> slog_operands -> slog_array -> slog_peak -> results, surface
@@ -7,6 +8,7 @@
 // Throughput : one score per clock while a pass has no more steps than offsets.
 // Counters   : busy_o is high from two clocks after a job is offered until two clocks after its last step; score_o is
 //              high for one clock for every score, one clock after the score leaves the array.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_correlator
   import slog_pkg::*, slog_fetch_pkg::*;

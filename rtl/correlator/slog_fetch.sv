@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes jobs in order, refuses bad ones, and loads the operands of the others from the store, ahead of the sequencer.
 //
 // Sequence of a job: check (slog_job_check, slog_job_plan) -> ticket -> template rows into the free template bank ->
@@ -17,6 +18,7 @@
 // Rules      : a row is loaded as soon as the ring has room for it; all rows of the ring are used.
 //              slot_busy_o marks the slots of the present job from the second clock after the job is taken (when the
 //              check reads slot_valid_i as registered in the clock before) until after its last read.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_fetch
   import slog_pkg::*, slog_fetch_pkg::*, slog_store_pkg::*;

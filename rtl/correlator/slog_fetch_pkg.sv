@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Types between the fetch unit, the sequencer and its walker. Widths are those of the largest board.
 package slog_fetch_pkg;
   import slog_pkg::*;

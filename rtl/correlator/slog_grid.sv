@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes a grid of jobs from one: job (i, j) is the given job moved by (i * step_x, j * step_y); the tag counts up.
 //
 // Template and search move together. Jobs are output in raster order, i fastest.
@@ -7,6 +8,7 @@
 // Throughput : one job every other clock; one clock between commands.
 // Formats    : a count of 0 is taken as 1. Tags wrap; positions saturate at 1023, outside every image, so that jobs
 //              beyond the image are refused rather than wrapped.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_grid
   import slog_pkg::*;
@@ -35,7 +37,8 @@ module slog_grid
   logic [15:0] tag_q;
   logic [9:0] tpl_x_q, tpl_y_q, search_x_q, search_y_q;
   logic [9:0] step_x_q, step_y_q, count_x_q;
-  logic [9:0] left_x_q, left_y_q;           // jobs left in this row, rows left, this one included; unused if last
+  logic [9:0] left_x_q;                     // jobs left in this row, this one included; unused in the last job
+  logic [9:0] left_y_q;                     // rows left, this one included; unused in the last row
   logic last_x_q, last_y_q;                 // this job is the last of its row; this row is the last
   // The same for the next job, computed while valid_q is high; positions are not yet saturated.
   logic [10:0] tpl_x_q2, tpl_y_q2, search_x_q2, search_y_q2;
@@ -106,7 +109,7 @@ module slog_grid
   assign job_valid_o = taken_q;
 
   `SLOG_ASSERT(SlogGridState, open_q == !valid_q && laying_q == !ready_q && !(ready_q && valid_q))
-  `SLOG_ASSERT(SlogGridRoom, taken_q |-> valid_q && job_ready_i)
-  `SLOG_ASSERT(SlogGridJobsApart, job_valid_o |=> !job_valid_o)
-  `SLOG_ASSERT(SlogGridReadyStays, job_ready_i && !job_valid_o |=> job_ready_i)
+  `SLOG_ASSERT(SlogGridRoom, !taken_q || (valid_q && job_ready_i))
+  `SLOG_ASSERT_NEXT(SlogGridJobsApart, job_valid_o, !job_valid_o)
+  `SLOG_ASSERT_NEXT(SlogGridReadyStays, job_ready_i && !job_valid_o, job_ready_i)
 endmodule : slog_grid

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks whether a job can be executed, and computes the area of its window.
 //
 //   status = the first that applies of BadWindow, NoOffsets, BadSlot, Outside (slog_pkg::status_e), else Ok
@@ -11,8 +12,10 @@
 //   5      status_o
 //   9      area_o
 // Latency    : done_o 9 clocks after start_i; status_o and area_o stay until the next start_i.
+// Refusal    : status_o is not Ok; slog_fetch then issues the job's ticket with this status and loads nothing.
 // Throughput : one job at a time. job_i is stable from start_i to done_o; slot_valid_i is sampled in start_i's clock.
 // Formats    : area_o modulo 2**15: exact for every window a board accepts (up to 128x128).
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_job_check
   import slog_pkg::*;
@@ -67,7 +70,7 @@ module slog_job_check
   assign good_slots = slot_valid_i & 8'((1 << Slots) - 1);
 
   logic bad_width_q, bad_height_q, none_across_q, none_down_q;
-  logic [1:0] good_tpl_q, good_search_q;                       // [n]: the result if slot bit 2 is n
+  logic [1:0] good_tpl_q, good_search_q;                       // [n]: the slot is good if its bit 2 is n
   logic [10:0] tpl_right_q, tpl_bottom_q, span_x_q, span_y_q;  // column, row after the template; search size plus one
   logic [10:0] limit_x_q, limit_y_q;                           // image size plus one
   logic [11:0] right_q, bottom_q;                              // column, row after the search, plus one
@@ -123,8 +126,9 @@ module slog_job_check
   `SLOG_ASSERT_INIT(SlogJobCheckCodes, StatusOk == 0 && StatusBadWindow == 1 && StatusNoOffsets == 2
                                        && StatusBadSlot == 3 && StatusOutside == 4)
   `SLOG_ASSERT(SlogJobCheckOneAtATime, !(start_i && busy_q))
-  `SLOG_ASSERT(SlogJobCheckStable, busy_q |-> $stable(job_i))
+  `SLOG_PAST(past_job, job_i)
+  `SLOG_ASSERT(SlogJobCheckStable, !busy_q || job_i == past_job)
   `SLOG_ASSERT_INIT(SlogJobCheckRanges, MinWindow >= 1 && MinWindow <= MaxWindow && MaxWindow ** 2 < 2 ** ScoreW
                                         && Slots >= 1 && Slots <= 8)
-  `SLOG_ASSERT(SlogJobCheckKept, !busy_q && !start_i |=> $stable({status_o, area_o}))
+  `SLOG_ASSERT_KEPT(SlogJobCheckKept, !busy_q && !start_i, {status_o, area_o})
 endmodule : slog_job_check

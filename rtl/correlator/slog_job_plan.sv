@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Computes where a job's template and search rectangles lie in the store.
 //
 //   addr      = (slot * MaxHeight + y) * WordsPerRow + x / Width        shift = x mod Width
@@ -7,6 +8,7 @@
 //
 // Latency    : tpl_o and search_o are valid from WordsBits + 5 clocks after start_i on, while job_i is stable.
 // Throughput : one job at a time. The plan of a refused job is undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_job_plan
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -134,6 +136,7 @@ module slog_job_plan
 
   `SLOG_ASSERT_INIT(SlogJobPlanShift, ShiftW <= 6 && ShiftW >= 2)
   `SLOG_ASSERT_INIT(SlogJobPlanWords, WordsPerRow <= 15 && 8 * MaxHeight * WordsPerRow <= 65536)
-  `SLOG_ASSERT(SlogJobPlanStable, (start_q || |at_q) |-> $stable(job_i))
+  `SLOG_PAST(past_job, job_i)
+  `SLOG_ASSERT(SlogJobPlanStable, !(start_q || |at_q) || job_i == past_job)
   `SLOG_ASSERT(SlogJobPlanOneAtATime, !(start_q && |at_q))
 endmodule : slog_job_plan

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns tickets into steps of the array: one job after the other, preparing the next row of offsets while slog_walker
 // steps through the present one.
 //
@@ -15,6 +16,7 @@
 // Rules      : contexts, grants and rows are in job order; a grant is requested after the walker has taken the row
 //              before. Ring rows are freed only after they were written. mask_o: {group B, group A}, 1 = the bit
 //              belongs to the window; static while a step is in flight; changes 6 clocks after the array has drained.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_sequencer
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -98,7 +100,8 @@ module slog_sequencer
   localparam int unsigned Units    = 2 * GroupBits / Unit;
   localparam int unsigned HalfUnit = GroupBits / Unit;
   localparam int unsigned CountW   = 8 - UnitW;
-  logic [3:0] past_low_q, in_low_q;     // [n]: the number of full units is above n, equal to n; low and high part apart
+  // The number of full units in two parts, its low two bits and the bits above them: [n]: the part is above n, equal to n.
+  logic [3:0] past_low_q, in_low_q;
   logic [(1<<CountW)/4-1:0] past_high_q, in_high_q;
   logic [Units-1:0] reached_q, ends_q;  // [u]: a row over both groups reaches past unit u, ends in it
   logic [Units-1:0] full_q, partly_q;
@@ -246,7 +249,8 @@ module slog_sequencer
   `SLOG_ASSERT_INIT(SlogSequencerPitch, Pitch == 2 ** PitchW && Pitch <= 32)
   `SLOG_ASSERT_STABLE(SlogSequencerCtxStable, ctx_valid_o, ctx_ready_i, ctx_o)
   `SLOG_ASSERT_STABLE(SlogSequencerRowStable, row_valid_o, row_ready_i, row_offsets_o)
-  `SLOG_ASSERT(SlogSequencerMaskStatic, !$stable(mask_o) |-> !step_o.valid)
+  `SLOG_PAST(past_mask, mask_o)
+  `SLOG_ASSERT(SlogSequencerMaskStatic, mask_o == past_mask || !step_o.valid)
   `SLOG_ASSERT_INIT(SlogSequencerSizes, GroupBits == 2 * Pitch && GroupBits >= 4 && RingRows == 2 ** (RowW - 1)
                                         && RingRows <= 256)
   `SLOG_ASSERT(SlogSequencerGrantOrder, !row_valid_o || !token_valid_q)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steps through one row of offsets: the passes along the row, and in each pass the steps down the window.
 //
 //   pass c scores offsets c*Pitch .. c*Pitch + lanes - 1
@@ -10,6 +11,7 @@
 // Rules      : a row that is offered stays offered until it is taken. After its last step its ring rows are freed, and,
 //              if it is the job's last row, the template bank. drained_o: no row is offered or in work, and no step was
 //              valid for at least DrainClocks clocks.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_walker
   import slog_pkg::*, slog_fetch_pkg::*;
@@ -187,7 +189,9 @@ module slog_walker
   `SLOG_ASSERT_INIT(SlogWalkerRing, RingRows == 2 ** RingW && RingRows <= 256)
   `SLOG_ASSERT_STABLE(SlogWalkerRowStable, row_valid_i, row_ready_o, row_i)
   `SLOG_ASSERT(SlogWalkerLanes, !row_valid_i || (row_i.last_lanes != '0 && 32'(row_i.last_lanes) <= Pitch + 1))
-  `SLOG_ASSERT(SlogWalkerFreed, $past(rst_i) || ($stable(rows_freed_o) && !bank_free_o)
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_PAST(past_freed, rows_freed_o)
+  `SLOG_ASSERT(SlogWalkerFreed, past_rst || (rows_freed_o == past_freed && !bank_free_o)
                                || (step_o.valid && step_o.last))
 `ifndef SYNTHESIS
   int unsigned clocks_since_step;

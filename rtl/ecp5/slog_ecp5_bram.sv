@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One ECP5 block RAM: one write port, one read port of the same width, output register in use.
 //
 // Latency    : rd_data_o holds the word two clocks after rd_en_i.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `slog_mult` on the ECP5's 18x18 multiplier with its input, pipeline and output registers in use.
 //
 // Latency, throughput, rules, formats: those of ../cells/slog_mult.sv. The registers have no clock enable: the four

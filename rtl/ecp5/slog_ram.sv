@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // `slog_ram` on the ECP5's block RAMs with their output registers in use: each block holds some bits of every word.
 //
-// The blocks have the widest words at which one block is deep enough, so no multiplexer follows the output registers. The
-// user must split RAMs of more than 16384 words, as slog_store does.
+// Each block is configured with the widest words at which one block is deep enough, so no multiplexer follows the output
+// registers. The user must split RAMs of more than 16384 words, as slog_store does.
 // Latency, throughput, rule: those of ../cells/slog_ram.sv.
 `include "slog_assert.svh"
 module slog_ram #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Symmetric FIR; one or two kernels over the same window.
 //
 // fold[0] = w[R],  fold[d] = w[R - d] + w[R + d]   (w = window_i, R = Radius)
@@ -9,6 +10,7 @@
 // Formats    : window in fields of DataW bits: two's complement in the lower 18 if DataW >= 18, else unsigned; fold modulo
 //              2**18; coefficients 18-bit signed, constant from the clock of a valid window until its multiplication is
 //              done; sums modulo 2**SumW, SumW <= 36.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_fir #(
     parameter  int unsigned Radius  = 8,
@@ -58,5 +60,6 @@ module slog_fir #(
     );
   end
 
-  `SLOG_ASSERT(SlogFirCoefficientsStatic, valid_q != '0 |-> $stable(coef_i))
+  `SLOG_PAST(past_coef, coef_i)
+  `SLOG_ASSERT(SlogFirCoefficientsStatic, valid_q == '0 || coef_i == past_coef)
 endmodule : slog_fir

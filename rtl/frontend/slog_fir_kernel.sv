@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One kernel of slog_fir: multiplies the folded window and adds up, with its own registers close to its multipliers.
 //
 // sum_o = Bias + sum over d = 0..Radius of coef_i[d] * fold_i[d]

@@ -1,13 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
 // Latency    : 34 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, when idle, to the
 //              first word of the row Radius lines above it: 124 for full, 58 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
+// Abort      : abort_i in clock t drops the frame being received in clock t + 2, in which no pixel is accepted.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else
 //              frame_abort_o, after which no word of that frame follows. The next frame_start_o is later than either.
-// Settings   : width_i, height_i, g_i, g2_i change only while busy_o is low and hold_i was high in the clock before, so
-//              that no frame enters; the size not in the last such clock. busy_o is high from 2 clocks after a frame's
-//              first beat to 1 clock after its end, so hold_i must be high for some clocks before a change.
+// Settings   : width_i, height_i, g_i, g2_i change only in clocks in which busy_o is low and, in the clock before, hold_i
+//              or rst_i was high, so that no frame can enter; in the last clock of hold_i the size does not change.
+//              busy_o is high from 2 clocks after a frame's first beat to 1 clock after its end, so hold_i must be high
+//              for some clocks before a change.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_frontend #(
     parameter int unsigned MaxWidth  = 48,
@@ -26,6 +30,7 @@ module slog_frontend #(
     input  logic [Radius:0][17:0] g_i,
     input  logic [Radius:0][17:0] g2_i,
     input  logic                  hold_i,
+    input  logic                  abort_i,  // pulse: drop the frame that is being received, if any
     output logic                  busy_o,
     output logic                  word_valid_o,
     output logic [GroupBits-1:0]  word_data_o,
@@ -46,11 +51,12 @@ module slog_frontend #(
   logic             bit_valid, bit_sign, bit_last, bit_start, bit_done, bit_abort;
   logic             video_busy, log_busy;
 
-  // The sources of size and hold lie far away.
+  // The sources of size, hold and abort lie far away.
   logic [9:0] width_q, height_q;
-  logic       hold_q;
+  logic       hold_q, abort_q;
   always_ff @(posedge clk_i) begin
     hold_q   <= hold_i || rst_i;
+    abort_q  <= abort_i && !rst_i;
     width_q  <= width_i;
     height_q <= height_i;
   end
@@ -69,6 +75,7 @@ module slog_frontend #(
       .width_i    (width_q),
       .height_i   (height_q),
       .hold_i     (hold_q),
+      .abort_i    (abort_q),
       .px_valid_o (px_valid),
       .px_data_o  (px_data),
       .px_col_o   (px_col),
@@ -134,8 +141,8 @@ module slog_frontend #(
       .frame_abort_o
   );
 
-  // log_busy covers a pixel only some clocks after it has left the video input, and the packer, which has no busy output,
-  // holds it for some clocks after it has left the LoG: delayed copies fill both gaps.
+  // Delayed copies fill two gaps: log_busy is asserted only some clocks after a pixel has left the video input, and the
+  // packer, which has no busy output, holds a pixel for some clocks after it has left the LoG.
   logic rest_busy_q, busy_q;
   logic [1:0] video_busy_q;
   logic [3:0] log_busy_q;
@@ -154,6 +161,8 @@ module slog_frontend #(
   end
   assign busy_o = busy_q;
 
-  `SLOG_ASSERT(SlogFrontendSettings, $stable({width_i, height_i, g_i, g2_i}) || (!busy_o && $past(hold_i || rst_i)))
-  `SLOG_ASSERT(SlogFrontendDone, frame_done_o |-> word_valid_o)
+  `SLOG_PAST(past_settings, {width_i, height_i, g_i, g2_i})
+  `SLOG_PAST(past_hold, hold_i || rst_i)
+  `SLOG_ASSERT(SlogFrontendSettings, {width_i, height_i, g_i, g2_i} == past_settings || (!busy_o && past_hold))
+  `SLOG_ASSERT(SlogFrontendDone, !frame_done_o || word_valid_o)
 endmodule : slog_frontend

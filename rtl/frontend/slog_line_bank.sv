@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight of the line buffer's lines, with their own registers for the address and the border pixel.
 //
 // window_o[k] is the pixel of line k, the oldest first, or, if replace_i[k], the border pixel: that of the line whose hot_i
@@ -11,6 +12,7 @@
 //   6    border pixel       (5) picked_i of all banks, replace_i
 //   7    window_o
 // Throughput : one column per clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_line_bank #(
     parameter  int unsigned MaxWidth = 48,

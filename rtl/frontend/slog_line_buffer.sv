@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Holds the last 2 * Radius lines and outputs for every new pixel the column of 2 * Radius + 1 pixels that ends with it.
 //
 // window_o[i] is the pixel 2 * Radius - i lines above the newest; the output row's pixel is window_o[Radius]. Pixels past
@@ -8,6 +9,7 @@
 // Latency    : 7 clocks from valid_i (with px_i, col_i, bottom_i, dist_i) to the window, which is undefined in other clocks.
 // Throughput : one pixel per clock; the same column is repeated after 4 clocks at the earliest.
 // Formats    : unsigned 8-bit pixels. dist_i: rows from the border row to the output row; Radius = out of reach.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_line_buffer #(
     parameter  int unsigned MaxWidth = 48,

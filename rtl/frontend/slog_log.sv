@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sign of the Laplacian of Gaussian of a raster of whole lines: wiring of the line buffer, the filters and the window.
 //
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows. Past the
@@ -9,6 +10,7 @@
 //              busy_o is high from 3 clocks after a pixel or an abort enters to 1 clock after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" is output.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_log #(
     parameter  int unsigned MaxWidth = 48,
@@ -196,8 +198,8 @@ module slog_log #(
   assign bit_abort_o = abort_q[Latency-1];
   assign busy_o      = busy_q;
 
-  `SLOG_ASSERT(SlogLogWholeLines, px_valid_i && !px_last_i |=> px_valid_i)
-  `SLOG_ASSERT(SlogLogLineLength, px_valid_i && px_last_i |-> 32'(px_col_i) >= 2 * Radius + 1)
-  `SLOG_ASSERT(SlogLogLiveOut, px_live_i |-> px_valid_i && px_out_i)
-  `SLOG_ASSERT(SlogLogDistance, px_valid_i && px_out_i |-> px_dist_i <= DistW'(Radius))
+  `SLOG_ASSERT_NEXT(SlogLogWholeLines, px_valid_i && !px_last_i, px_valid_i)
+  `SLOG_ASSERT(SlogLogLineLength, !(px_valid_i && px_last_i) || 32'(px_col_i) >= 2 * Radius + 1)
+  `SLOG_ASSERT(SlogLogLiveOut, !px_live_i || (px_valid_i && px_out_i))
+  `SLOG_ASSERT(SlogLogDistance, !(px_valid_i && px_out_i) || px_dist_i <= DistW'(Radius))
 endmodule : slog_log

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 // Packs the sign bits of each row into words for the bit-plane store.
 //
 // Bit b of a row's word w is pixel w * GroupBits + b; a row's last word is filled up with zeros. word_data_o and
 // word_last_o are valid only with word_valid_o.
 //
-// Stages     : 1 input    2 pixel and its place    3 the same, delayed    4 to 6 slog_packer_slice: the word so far
+// Stages     : 1 input    2 pixel and its place    3 delayed for the slices    4 to 6 slog_packer_slice: the word so far
 // Latency    : 6 clocks from a word's last pixel to word_valid_o; frame_start_o, _done_o, _abort_o follow 6 clocks after
 //              their inputs: a frame's first word follows GroupBits - 1 clocks after frame_start_o.
 // Throughput : one pixel per clock; words cannot be stalled.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_packer #(
     parameter int unsigned GroupBits = 8

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few bits of slog_packer's word, with their own registers for the pixel and its place: the slices lie far apart.
 //
 //   stage  registers

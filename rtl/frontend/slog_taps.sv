@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Windows of the two horizontal filters: the 2 * Radius + 1 values around each value of a line. Past the line's ends its
 // first and last value are repeated. Two values per pixel, each with its own window.
 //
@@ -12,6 +13,7 @@
 //              between lines any pause is allowed.
 // Formats    : opaque values of DataW <= 32 bits, in the windows zero-extended to 32 bits; without valid_o a window is
 //              undefined.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_taps #(
     parameter  int unsigned Radius  = 8,
@@ -62,6 +64,6 @@ module slog_taps #(
   );
 
   `SLOG_ASSERT_INIT(SlogTapsWidth, DataW <= 32)
-  `SLOG_ASSERT(SlogTapsConsecutive, valid_i && !last_i |=> valid_i)
-  `SLOG_ASSERT(SlogTapsEnds, first_i || last_i |-> valid_i)
+  `SLOG_ASSERT_NEXT(SlogTapsConsecutive, valid_i && !last_i, valid_i)
+  `SLOG_ASSERT(SlogTapsEnds, !(first_i || last_i) || valid_i)
 endmodule : slog_taps

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few places of one window of slog_taps, on both sides of its centre, with their own registers for loading them.
 //
 //   newer_o[k]   place centre + Begin + k            older_o[k]   place centre - Begin - 1 - k

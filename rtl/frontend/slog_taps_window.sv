@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // One window of slog_taps, cut into slices: the two places that are folded together and share a multiplier are in one slice.
 //
 // Latency, throughput, formats: those of slog_taps.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_taps_window #(
     parameter  int unsigned Radius = 8,
@@ -19,7 +21,8 @@ module slog_taps_window #(
 
   // The slices lie far apart: data_q delays the values by a clock, in which the load signals reach the slices.
   logic [Radius-2:0] first_q;          // [k]: the value from k + 1 clocks ago is a line's first
-  logic              past_q, past_q2;  // the newest place keeps a line's last value: from the next clock on; now
+  logic              past_q;           // the newest place keeps a line's last value from the next clock on
+  logic              past_q2;          // it keeps that value in this clock
   logic [DataW-1:0]  data_q, newest_q;
 
   always_ff @(posedge clk_i) begin

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Comparison of unsigned numbers by one carry chain.
 //
 // Shorter numbers are zero-extended; constant bits cost no logic.

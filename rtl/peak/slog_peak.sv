@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Peak unit: finds each job's best score, its neighbours and the runner-up from the array's mismatch counts.
 //
 // score = area - mismatch, in raster order over the offsets of a job.
@@ -11,6 +12,7 @@
 // Results    : one in two clocks at most. Results and surface scores stay offered, unchanged, until they are taken.
 // Formats    : mismatch_i unsigned; scores ScoreW bits; absent scores in res_o are NoScore.
 // Ties       : the first in raster order is the best.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak
   import slog_pkg::*;
@@ -287,8 +289,8 @@ module slog_peak
                                    && ResultDepth >= 2)
   `SLOG_ASSERT_STABLE(SlogPeakSurfaceStable, surf_tvalid_o, surf_tready_i, {surf_tdata_o, surf_tuser_o, surf_tlast_o})
   `SLOG_ASSERT_STABLE(SlogPeakResultStable, res_valid_o, res_ready_i, res_o)
-  `SLOG_ASSERT(SlogPeakResultsApart, res_valid_o && res_ready_i |=> !res_valid_o)
-  `SLOG_ASSERT(SlogPeakContextsApart, ctx_valid_i && ctx_ready_o |=> !ctx_ready_o)
+  `SLOG_ASSERT_NEXT(SlogPeakResultsApart, res_valid_o && res_ready_i, !res_valid_o)
+  `SLOG_ASSERT_NEXT(SlogPeakContextsApart, ctx_valid_i && ctx_ready_o, !ctx_ready_o)
   `SLOG_ASSERT(SlogPeakNotOvertaken, (write_bank & read) == '0 || score_x < read_x)
 `ifndef SYNTHESIS
   // Rows of the contexts taken, less the rows granted.

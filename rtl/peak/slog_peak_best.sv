@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides for each complete row whether it holds the best score of its job so far, and issues the order to scan it.
 //
 // Row r, with maximum M at x, is the best so far if M is greater than the maximum of rows 0..r-1. The runner-up then is
@@ -11,6 +12,7 @@
 // Throughput : a row in two clocks.
 // Stalls     : a job's last row waits for room for its result: room_i in the clock before the order.
 // Ties       : a row must exceed the best, so the first row wins; slog_running_max takes the first column of a row.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_best
   import slog_pkg::*;
@@ -140,6 +142,7 @@ module slog_peak_best
   `SLOG_ASSERT(SlogPeakBestRow, !load || (row_valid_i && refused == refused_next_q))
   `SLOG_ASSERT(SlogPeakBestCopies, open_q == !held_q && stay_q == !hand_q && stale_q == !fresh_q)
   `SLOG_ASSERT_STABLE(SlogPeakBestRowStable, row_valid_i, row_ready_o, row_i)
-  `SLOG_ASSERT(SlogPeakBestOrder, !order_valid_o || ($past(order_room_i) && ($past(room_i) || !order_o.last)))
-  `SLOG_ASSERT(SlogPeakBestOrdersApart, order_valid_o |=> !order_valid_o)
+  `SLOG_PAST(past_room, {order_room_i, room_i})
+  `SLOG_ASSERT(SlogPeakBestOrder, !order_valid_o || (past_room[1] && (past_room[0] || !order_o.last)))
+  `SLOG_ASSERT_NEXT(SlogPeakBestOrdersApart, order_valid_o, !order_valid_o)
 endmodule : slog_peak_best

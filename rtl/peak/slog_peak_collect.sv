@@ -1,11 +1,16 @@
-// Collects a job's neighbours and runner-up from its scans.
+// SPDX-License-Identifier: Apache-2.0
+// Collects a job's neighbours and runner-up from the scans of its rows by slog_peak_scan.
 //
-// runner-up after a row = max(other, fresh ? far : runner-up before), with the row's outcome_t.
+//   runner-up after a row = max(other, fresh ? far : runner-up before)
+//
+// fresh: the row holds the best so far (slog_peak_best, in outcome_t). far: the greatest score outside the best's
+// neighbourhood (slog_peak_scan). other: the candidate that needs no scan (slog_peak_best, in outcome_t).
 //
 // Neighbours are output one clock after the job's last column; the verdict three clocks after the last far_valid_i:
 //   0  far_valid_i      1  compare      2  select      3  verdict_valid_o
 // Throughput : a row in two clocks, columns one per clock. Never stalls: slog_peak reserves room for both outputs.
 // Formats    : absent scores are output as NoScore.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_collect
   import slog_pkg::*;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes mismatches row by row and turns them into scores: each row is written to the next row bank; scores of jobs with
 // surface are marked for the surface stream.
 //
@@ -10,6 +11,7 @@
 //              released when the last scan that reads it starts: scans never pause and at most one score arrives per
 //              clock, so a new row follows the scan and never overtakes it. A surface score is taken only if surf_ok_i
 //              was high in the clock before; surf_ok_i must leave room for four more scores.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_intake
   import slog_pkg::*;
@@ -70,7 +72,7 @@ module slog_peak_intake
   assign move             = !run_q || (mismatch_valid_i && !halt_q);
   assign row_taken_o      = take;
   assign next             = !run_q || !more_q;
-  // The waiting row (row_go), the present row (run_go) would take a score in the next clock.
+  // row_go: the waiting row would take a score in the next clock. run_go: the present row would.
   assign row_go           = !row_refused_i && (surf_ok_i || !scoring_i.surface);
   assign row_ends         = open_q && row_go && scoring_i.one;
   assign run_go           = surf_ok_i || !surface_q;
@@ -188,7 +190,8 @@ module slog_peak_intake
                                              && near_q == (left_q == 10'd1)))
   `SLOG_ASSERT(SlogPeakIntakeArea, !s1_valid_q || ScoreW'(s1_mismatch_q) <= area_q)
   `SLOG_ASSERT_INIT(SlogPeakIntakeSizes, ScoreBits <= ScoreW && Banks >= 2)
-  `SLOG_ASSERT(SlogPeakIntakeRowStays, !take_q || $stable({row_first_i, row_last_i, scoring_i}))
-  `SLOG_ASSERT(SlogPeakIntakeRowsApart, row_taken_o |=> !row_taken_o)
+  `SLOG_PAST(past_row, {row_first_i, row_last_i, scoring_i})
+  `SLOG_ASSERT(SlogPeakIntakeRowStays, !take_q || {row_first_i, row_last_i, scoring_i} == past_row)
+  `SLOG_ASSERT_NEXT(SlogPeakIntakeRowsApart, row_taken_o, !row_taken_o)
   `SLOG_ASSERT(SlogPeakIntakeBank, score_valid_o ? $onehot(bank_o) : bank_o == '0)
 endmodule : slog_peak_intake

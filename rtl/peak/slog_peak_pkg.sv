@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Types that the parts of slog_peak pass to one another.
 package slog_peak_pkg;
   import slog_pkg::*;

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reserves room for whole rows of scores, because the array cannot be stopped within a row.
 //
 // held = scores granted and not yet taken; a row may be granted while held + MaxOffsets <= Depth.
 //
 // Latency    : row_ready_o is low in the clock after a grant and reflects the grant from the second clock on.
 // Throughput : a grant in every other clock.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_room #(
     parameter int unsigned Depth      = 1024,
@@ -43,5 +45,5 @@ module slog_peak_room #(
 
   `SLOG_ASSERT(SlogPeakRoomHeld, held_q <= HeldW'(Depth))
   `SLOG_ASSERT(SlogPeakRoomOffsets, !grant || (row_offsets_i != '0 && 32'(row_offsets_i) <= MaxOffsets))
-  `SLOG_ASSERT(SlogPeakRoomApart, grant |=> !row_ready_o)
+  `SLOG_ASSERT_NEXT(SlogPeakRoomApart, grant, !row_ready_o)
 endmodule : slog_peak_room

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unrolls a job's context into its rows of offsets. A refused job has one row.
 //
 // Handshake  : row_coming_o: a row can be taken in the next clock, unless one is taken in this clock. row_taken_i takes
 //              it; row_o, refused_o and scoring_o are stable for one clock more.
 // Latency    : a context taken in clock t may have its first row taken in clock t+1.
 // Throughput : one row in two clocks, jobs back to back.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_rows
   import slog_pkg::*;
@@ -69,5 +71,5 @@ module slog_peak_rows
   `SLOG_ASSERT(SlogPeakRowsRefused, load_q || refused_q == (row_q.status != StatusOk))
   `SLOG_ASSERT(SlogPeakRowsThere, !row_taken_i || !(load_q || step_q))
   `SLOG_ASSERT(SlogPeakRowsCopies, some_q == !load_q)
-  `SLOG_ASSERT(SlogPeakRowsStay, row_taken_i |=> $stable({row_o, refused_o, scoring_o}))
+  `SLOG_ASSERT_KEPT(SlogPeakRowsStay, row_taken_i, {row_o, refused_o, scoring_o})
 endmodule : slog_peak_rows

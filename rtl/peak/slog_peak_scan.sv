@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scans a row together with the rows above and below it: outputs the columns next to the best, and the best of all
 // other scores.
 //
@@ -9,6 +10,7 @@
 // Throughput : one column per clock, rows back to back. An order takes last_x + 1 clocks, an order of one column two
 //              (so that far_valid_o is high in every other clock at most), and never pauses.
 // Formats    : scores as maybe_t; far_o is 0 where nothing is outside the neighbourhood.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_peak_scan
   import slog_pkg::*;
@@ -229,8 +231,9 @@ module slog_peak_scan
 
   `SLOG_ASSERT(SlogPeakScanRoom, !order_valid_i || open_q)
   `SLOG_ASSERT(SlogPeakScanBank, $onehot(bank_q))
-  `SLOG_ASSERT(SlogPeakScanOrder, !order_valid_i || ($past(order_room_o) && !$past(order_valid_i)))
+  `SLOG_PAST(past_order, {order_room_o, order_valid_i})
+  `SLOG_ASSERT(SlogPeakScanOrder, !order_valid_i || (past_order[1] && !past_order[0]))
   `SLOG_ASSERT(SlogPeakScanBest, !order_valid_i || !order_i.fresh || order_i.best_x <= order_i.last_x)
   `SLOG_ASSERT(SlogPeakScanColumn, $onehot0({near_west_o, near_centre_o, near_east_o}))
-  `SLOG_ASSERT(SlogPeakScanFarApart, far_valid_o |=> !far_valid_o)
+  `SLOG_ASSERT_NEXT(SlogPeakScanFarApart, far_valid_o, !far_valid_o)
 endmodule : slog_peak_scan

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finds the largest value of each row of a stream, and its index; of equal values, the one with the smallest index.
 //
 // Odd and even samples have separate running maxima, so that the comparison can take a full clock before the update:
@@ -6,6 +7,7 @@
 // Latency    : out_valid_o three clocks after in_valid_i with in_last_i.
 // Throughput : one sample per clock, rows back to back, gaps allowed. A row of one sample has first and last together.
 // Formats    : values and indices unsigned; indices never fall within a row.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_running_max
   import slog_compare_pkg::*;

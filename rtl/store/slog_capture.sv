@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Captures: assigns each camera's next frame to a slot, tracks which slots hold a frame, and drives the store's write port.
 //
 // A command arms its camera with a slot, or cancels the camera's request. Arming is refused for a slot this board
@@ -12,6 +13,7 @@
 //              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command takes effect after 2
 //              clocks, when armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_capture #(
     parameter  int unsigned Cameras     = 2,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One camera's captures: writes the words of the next good frame after a request into the requested slot.
 //
 // armed      : after the next frame_start_i the slot's valid bit is cleared (clear_o).
@@ -15,6 +16,7 @@
 //              after they are counted in its level.
 // Throughput : one word per clock in, out as fast as the store accepts; Depth suffices for the short last words of two
 //              cameras' rows.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_capture_channel #(
     parameter  int unsigned GroupBits   = 64,
@@ -54,8 +56,9 @@ module slog_capture_channel #(
     output logic                 set_o,           // set that valid bit
     output logic                 finish_o         // set_o is for a new frame
 );
-  // The slot is seen as invalid from the second clock on; slot_busy is sampled in the last but one. In between, a job that
-  // still saw the slot as valid, one clock late, has marked it busy, and the mark has arrived here, two clocks late.
+  // Clocks from start to the decision. In clock 2 the valid bit is cleared, while slog_fetch, one register later, may still
+  // check a job against the old bit; such a job marks the slot busy in that clock. Through two registers, of slog_capture
+  // and slot_busy_q, the mark is read in clock 4; pass_q and give_q hold the decision in clock 5.
   localparam logic [2:0] CheckClocks = 3'd5;
 
   logic wait_q, checking_q, writing_q, finishing_q;  // at most one is set; none: idle
@@ -177,9 +180,9 @@ module slog_capture_channel #(
   end
 
   `SLOG_ASSERT(SlogCaptureLevel, $onehot(level_q))
-  `SLOG_ASSERT(SlogCaptureRoom, push_q |-> !level_q[Depth])
-  `SLOG_ASSERT(SlogCaptureWaits, pop_i |-> !level_q[0])
-  `SLOG_ASSERT(SlogCaptureNoEarlyWord, checking_q || (writing_q && load_q) |-> !word_q)
+  `SLOG_ASSERT(SlogCaptureRoom, !push_q || !level_q[Depth])
+  `SLOG_ASSERT(SlogCaptureWaits, !pop_i || !level_q[0])
+  `SLOG_ASSERT(SlogCaptureNoEarlyWord, !(checking_q || (writing_q && load_q)) || !word_q)
   `SLOG_ASSERT(SlogCaptureArmWhenFree, arm_i == (ask_i && !writing_o))
   `SLOG_ASSERT(SlogCaptureStates, $onehot0({wait_q, checking_q, writing_q, finishing_q}))
   `SLOG_ASSERT(SlogCaptureServing, serving_q == (checking_q || writing_q || finishing_q) &&

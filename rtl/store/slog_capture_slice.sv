@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few bits of the cameras' word queues before the store, with its own pointers and flags: no net spans all bits.
 //
 // slog_capture_channel counts the queues' levels. A word leaves in every clock in which one is held; camera 0 has priority.
@@ -7,6 +8,7 @@
 //   2      queue, of Depth words; data_o
 // Latency    : 3 clocks from push_i to data_o when the queues are empty: empty_i falls in the clock after push_i.
 // Throughput : one word per camera and clock in, one word per clock out.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_capture_slice #(
     parameter  int unsigned Cameras = 2,

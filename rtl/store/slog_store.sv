@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bit-plane store: Words words of Width bits in block RAM, with a low-priority second read requester.
 //
 //   stage  registers
@@ -8,8 +9,10 @@
 // Latency    : rd_valid_i to rd_data_o 10 clocks (slog_store_pkg::StoreLatency); data held until the next read's.
 //              A peek takes 11 clocks from peek_valid_i && peek_ready_o to peek_done_o, and waits while rd_valid_i is high.
 // Throughput : one read and one write per clock; one peek at a time.
-// Rule       : no word is read or peeked in the clock after it is written. A read in the same clock gives the old word,
-//              a read two clocks later the new one. peek_data_o is valid with peek_done_o.
+// Rule       : no word is read in the clock after it is written. A read in the same clock gives the old word, a read two
+//              clocks later the new one. A peek reads likewise, but may meet the clock after a write to its word: the
+//              word is then undefined, and nothing else changes. peek_data_o is valid with peek_done_o.
+// Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_store
   import slog_store_pkg::*;
@@ -120,5 +123,6 @@ module slog_store
   `SLOG_ASSERT(SlogStoreAddress, !rd_valid_i || rd_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
   `SLOG_ASSERT(SlogStoreWriteAddress, !wr_valid_i || wr_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
   `SLOG_ASSERT(SlogStorePeekAddress, !peek_pending_q || peek_addr_q < AddrW'(Words) || Words == 2 ** AddrW)
-  `SLOG_ASSERT(SlogStoreReadNotWrite, wr_valid_i |=> !(rd_go && rd_addr == $past(wr_addr_i)))
+  `SLOG_PAST(past_wr_addr, wr_addr_i)
+  `SLOG_ASSERT_NEXT(SlogStoreReadNotWrite, wr_valid_i, !(rd_valid_i && rd_addr_i == past_wr_addr))
 endmodule : slog_store

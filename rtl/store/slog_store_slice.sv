@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few bits of every word of the bit-plane store, with its own address registers.
 //
 //   stage  registers
@@ -8,7 +9,8 @@
 //   7      bank multiplexer
 // Latency    : rd_en_i to data_o 7 clocks; data_o is held until the next read's data.
 // Throughput : one read and one write per clock.
-// Rules      : no word is read in the clock in which it is written; at most one bank is read and one written.
+// Rules      : a word read in the clock in which it is written is undefined (slog_store asserts that only a peek meets
+//              this); at most one bank is read and one written.
 `include "slog_assert.svh"
 module slog_store_slice #(
     parameter  int unsigned Width     = 8,
@@ -83,6 +85,5 @@ module slog_store_slice #(
   end
   assign data_o = data_q;
 
-  `SLOG_ASSERT_NO_RESET(SlogStoreSliceReadNotWrite, (wr_en_i & rd_en_i) == '0 || wr_addr_i != rd_addr_i)
   `SLOG_ASSERT_NO_RESET(SlogStoreSliceOneBank, $onehot0(wr_en_i) && $onehot0(rd_en_i))
 endmodule : slog_store_slice

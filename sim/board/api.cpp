@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Verilated board behind a C interface: whole frames and job lists per call, clocks counted, no callbacks. The functions
 // of the registers are those of `driver_api.cpp`, on the driver that `slog_driver` returns. Calls that wait keep the job queue
 // fed and collect results. Negative return values are errors: see `Error`.
@@ -34,9 +35,15 @@ void slog_tick(Board* b, uint64_t clocks) {
   for (uint64_t k = 0; k < clocks; ++k) b->clock.tick();
 }
 
-// Everything that was queued is forgotten, by the driver too.
+// Resets the board and clears the host-side queues.
 void slog_reset(Board* b) {
   b->clock.reset();
+  b->driver.start();
+}
+
+// The same after a reset of `clocks` clocks, but the cameras go on sending what was queued for them.
+void slog_restart(Board* b, int clocks) {
+  b->clock.restart(clocks);
   b->driver.start();
 }
 

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace]`.
 
 The library lies under `build/verilated/<config>[-trace]/` with digests of everything that it and its model were made
-from; a current build returns at once. The driver alone, without a board, lies in `build/driver/`.
+from; a current build returns at once. The driver alone, without a board, lies in `build/driver/`. For an installed
+package, `build` is a folder of the user's cache: see `sim.toolchain`.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_arg
 from sim.toolchain import BUILD, ROOT, TOP, WAIVERS, headers, rtl_sources, verilator_env, verilator_root, wave_format
 
 HERE = Path(__file__).parent
-REGISTERS = ROOT / "sim" / "registers" / "gen" / "slog_csr.h"
+REGISTERS = HERE.parent / "registers" / "gen" / "slog_csr.h"
 VERILATOR_FLAGS = [*VERILATOR_ARGS, *UNROLL, "-O3", "--no-timing", "--x-assign", "fast", "--x-initial", "fast",
                    # Assertions are for the cocotb builds, here they would cost time; some signals then have no reader.
                    "+define+SYNTHESIS", "-Wno-UNUSEDSIGNAL", "+define+SLOG_CLOCK_GATE"]
@@ -139,7 +141,8 @@ def main() -> int:
     parser.add_argument("--trace", action="store_true", help="with wave dump; slower")
     args = parser.parse_args()
     try:
-        print(build(args.config, args.trace).relative_to(ROOT))
+        product = build(args.config, args.trace)
+        print(product.relative_to(ROOT) if product.is_relative_to(ROOT) else product)
     except BuildError as error:
         print(error, file=sys.stderr)
         return 1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver on a pair of functions of the caller: registers reached over UART or Ethernet, or a log that is replayed.
 // Both return 0, or anything else when the access failed; no access follows one that failed.
 

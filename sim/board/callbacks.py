@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The register driver on a pair of Python functions: for a board reached over UART or Ethernet, and for tests."""
 
 from __future__ import annotations

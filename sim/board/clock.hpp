@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Verilated model under its clock: plays the cameras' video, receives the surface stream, and is a bus to the registers.
 #pragma once
 
@@ -58,6 +59,7 @@ class Clock final : public Bus {
  public:
   static constexpr int kCameras = 2;
   static constexpr int kIdle = 64;           // clocks between looks at the board when there is nothing to do
+  static constexpr int kResetEnd = 8;        // clocks from the end of rst_i until the board takes a register access
   static constexpr int kBusLimit = 1 << 20;  // clocks a register access may take
 
   Camera cameras[kCameras];
@@ -91,15 +93,20 @@ class Clock final : public Bus {
       camera.at = 0;
       camera.offered = false;
     }
-    surface.scores.clear();
-    surface.first = true;
-    surface.broken = stuck_ = false;
+    restart(4);
+  }
+
+  // Resets the board for some clocks while the cameras go on sending; scores that were received are forgotten.
+  void restart(int clocks) {
     Vslog_board& t = *top_;
     t.s_axil_awvalid = t.s_axil_wvalid = t.s_axil_arvalid = t.s_axil_bready = t.s_axil_rready = 0;
     t.rst_i = 1;
-    for (int k = 0; k < 4; ++k) tick();
+    for (int k = 0; k < clocks; ++k) tick();
     t.rst_i = 0;
-    for (int k = 0; k < 4; ++k) tick();
+    for (int k = 0; k < kResetEnd; ++k) tick();
+    surface.scores.clear();
+    surface.first = true;
+    surface.broken = stuck_ = false;
   }
 
   bool playing() const {

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Verilated board from Python: whole frames and job lists per call, never Python per clock."""
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -71,8 +73,14 @@ class Device(RegisterDriver):
         self._lib.slog_tick(self._board, clocks)
 
     def reset(self) -> None:
-        """Reset the board and forget all that is queued. Slots become invalid; coefficients 0; size the largest."""
+        """Reset the board and clear its queues. Slots become invalid; coefficients 0; size the largest."""
         self._lib.slog_reset(self._board)
+        self.size = (self.config.max_width, self.config.max_height)
+        self._check("reset")
+
+    def restart(self, clocks: int = 1) -> None:
+        """Reset the board for some clocks while the cameras go on sending what was queued; else as `reset`."""
+        self._lib.slog_restart(self._board, clocks)
         self.size = (self.config.max_width, self.config.max_height)
         self._check("reset")
 
@@ -105,21 +113,24 @@ class Device(RegisterDriver):
         """Send one frame through each camera named, all at once, into its slot; both arguments by camera.
 
         Raises:
-            DeviceError: if the board refuses, or drops a frame.
+            DeviceError: if the board refuses, drops a frame, or does not finish; no request of these cameras is left.
         """
         drops = {c: self.read(f"counter.drops[{c}].value") for c in frames}
-        for camera, slot in slots.items():
-            self.arm(slot, camera)
-        for camera, frame in frames.items():
-            self.play(frame, camera, pause, seed + camera)
-        self.finish_playing()
-        lost = [c for c in frames if self.read(f"counter.drops[{c}].value") != drops[c]]
-        if not lost:
+        try:
+            for camera, slot in slots.items():
+                self.arm(slot, camera)
+            for camera, frame in frames.items():
+                self.play(frame, camera, pause, seed + camera)
+            self.finish_playing()
+            lost = [c for c in frames if self.read(f"counter.drops[{c}].value") != drops[c]]
+            if lost:
+                raise DeviceError(f"the board dropped the frame of camera {', '.join(map(str, lost))}")
             self.wait_captured(*slots)
-            return
-        for camera in slots:
-            self.disarm(camera)
-        raise DeviceError(f"the board dropped the frame of camera {', '.join(map(str, lost))}")
+        except DeviceError:
+            for camera in slots:
+                with suppress(DeviceError):
+                    self.disarm(camera)
+            raise
 
     # -------------------------------------------------------------------------------------------------- surface stream
     def surface(self, count: int) -> npt.NDArray[np.int32]:

@@ -1,5 +1,6 @@
-// The board's register sequences, on any bus that reads and writes its registers. Register addresses and fields come from the
-// generated header.
+// SPDX-License-Identifier: Apache-2.0
+// Queues jobs, feeds them to the board and collects results, on any bus that reads and writes the board's registers. Register
+// addresses and fields are defined in the generated header.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +42,7 @@ class Driver {
 
   Bus& bus() { return bus_; }
 
-  // Forgets all that was queued and sets up the registers: for a board that was just reset.
+  // Clears the host-side queues and sets up the registers: for a board that was just reset.
   void start() {
     jobs_.clear();
     results_.clear();
@@ -63,11 +64,23 @@ class Driver {
     bus_.write(ADDRESS(image_size),
                PACK(SLOG_CSR__IMAGE_SIZE__WIDTH, width) | PACK(SLOG_CSR__IMAGE_SIZE__HEIGHT, height));
     bus_.write(ADDRESS(filter), SLOG_CSR__FILTER__GO_bm);
+    return wait_filter(timeout);
+  }
+
+  // Waits until the last filter change is in use.
+  bool wait_filter(uint64_t timeout) {
     const uint64_t start = bus_.now();
     while (bus_.read(ADDRESS(filter)) & SLOG_CSR__FILTER__BUSY_bm) {
       if (late(start, timeout)) return false;
     }
     return true;
+  }
+
+  // Drops the frames that the board is receiving; returns the cameras, as a mask, that had a frame in progress.
+  uint32_t abort_frames() {
+    const uint32_t cameras = UNPACK(SLOG_CSR__FILTER__ACTIVE, bus_.read(ADDRESS(filter)));
+    bus_.write(ADDRESS(filter), PACK(SLOG_CSR__FILTER__ABORT_0, cameras) | PACK(SLOG_CSR__FILTER__ABORT_1, cameras >> 1));
+    return cameras;
   }
 
   // Requests a camera's next frame for a slot; false if the board refuses.

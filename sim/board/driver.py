@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """The board's registers from Python: what `driver.hpp` does on any bus, with errors raised as exceptions."""
 
 from __future__ import annotations
 
 import ctypes
+import warnings
 from collections.abc import Iterable, Sequence
 from types import TracebackType
 from typing import Any, Self
@@ -14,7 +16,7 @@ from golden.correlate import Job, Result
 from golden.log import Image
 from golden.params import Config
 from sim.board.library import TIMEOUT
-from sim.board.structs import RESULT, pack_jobs, unpack_results
+from sim.board.structs import RESULT_DTYPE, pack_jobs, unpack_results
 from sim.registers.map import address, fields, word
 
 FRAME_CLOCKS = 8
@@ -29,6 +31,10 @@ class DeviceError(RuntimeError):
 
 class DeviceTimeout(DeviceError):
     """The board did not finish within the clocks allowed."""
+
+
+class UnfinishedFrame(UserWarning):
+    """A frame did not end in time, and the board dropped it."""
 
 
 class RegisterDriver:
@@ -92,6 +98,8 @@ class RegisterDriver:
                    size: tuple[int, int] | None = None) -> None:
         """Change coefficients and, if given, the image size (width, height); waits until frames under way are through.
 
+        A frame that does not end in time is dropped, with a warning: its camera may have been unplugged.
+
         Args:
             g: smoothing kernel, centre first: `config.coefs` signed integers of 18 bits.
             g2: its second derivative.
@@ -99,7 +107,7 @@ class RegisterDriver:
 
         Raises:
             DeviceError: if the size is outside the board's limits.
-            DeviceTimeout: if a frame never ends.
+            DeviceTimeout: if the board stays busy without a frame.
         """
         kernels = [np.ascontiguousarray(k, np.int32) for k in (g, g2)]
         if any(len(k) != self.config.coefs for k in kernels):
@@ -107,10 +115,26 @@ class RegisterDriver:
         width, height = size or self.size
         code = self._lib.slog_set_filter(self._driver, kernels[0].ctypes.data, kernels[1].ctypes.data,
                                          self.config.coefs, width, height, self._frame_clocks())
+        if code == TIMEOUT and not self._lib.slog_failed(self._driver):
+            unfinished = self.abort_frames()
+            code = self._lib.slog_wait_filter(self._driver, self._frame_clocks())
+            if code != TIMEOUT and unfinished:
+                named = " and ".join(map(str, unfinished))
+                warnings.warn(f"a frame of camera {named} did not end: dropped, so that the filter could change",
+                              UnfinishedFrame, stacklevel=2)
         self._check("filter change", code)
         if self.read("filter.size_error"):
             raise DeviceError(f"the board refuses images of {width}x{height}")
         self.size = (width, height)
+
+    def abort_frames(self) -> list[int]:
+        """Drop the frames that the board is receiving; returns the cameras that had a frame in progress.
+
+        A dropped frame is counted as such; a capture of it waits for the camera's next frame. Slots stay as they are.
+        """
+        mask = self._lib.slog_abort_frames(self._driver)
+        self._check("abort")
+        return [camera for camera in range(self.config.cameras) if mask >> camera & 1]
 
     def arm(self, slot: int, camera: int = 0) -> None:
         """Request the camera's next frame for the slot.
@@ -173,7 +197,7 @@ class RegisterDriver:
         Raises:
             DeviceTimeout: if they do not arrive.
         """
-        results = np.zeros(count, RESULT)
+        results = np.zeros(count, RESULT_DTYPE)
         # The longest job: a pass of max_window steps for every pitch offsets.
         c = self.config
         longest = c.max_width * c.max_height * c.max_window // c.pitch

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver behind a C interface, on any bus. Functions that wait return 0, or kTimeout.
 
 #include <cstdint>
@@ -16,6 +17,9 @@ void slog_start(Driver* d) { d->start(); }
 int slog_set_filter(Driver* d, const int32_t* g, const int32_t* g2, int count, int width, int height, uint64_t timeout) {
   return d->set_filter(g, g2, count, width, height, timeout) ? 0 : kTimeout;
 }
+
+int slog_wait_filter(Driver* d, uint64_t timeout) { return d->wait_filter(timeout) ? 0 : kTimeout; }
+uint32_t slog_abort_frames(Driver* d) { return d->abort_frames(); }
 
 int slog_arm(Driver* d, int camera, int slot) { return d->arm(camera, slot); }
 void slog_disarm(Driver* d, int camera) { d->disarm(camera); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A job and its result as they cross the C interface; `sim/board/structs.py` has the same two for NumPy.
 #pragma once
 

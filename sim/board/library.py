@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The C interfaces of the shared libraries of this folder, for ctypes."""
 
 from __future__ import annotations
@@ -18,21 +19,22 @@ Signatures = dict[str, tuple[object, list[object]]]
 
 DRIVER: Signatures = {
     "read": (_U, [_P, _U]), "write": (None, [_P, _U, _U]), "failed": (_I, [_P]), "start": (None, [_P]),
-    "set_filter": (_I, [_P, _P, _P, _I, _I, _I, _T]), "arm": (_I, [_P, _I, _I]), "disarm": (None, [_P, _I]),
+    "set_filter": (_I, [_P, _P, _P, _I, _I, _I, _T]), "wait_filter": (_I, [_P, _T]),
+    "abort_frames": (_U, [_P]), "arm": (_I, [_P, _I, _I]), "disarm": (None, [_P, _I]),
     "wait_captured": (_I, [_P, _U, _T]), "submit": (None, [_P, _P, _N]), "collect": (_I, [_P, _P, _N, _T]),
     "outstanding": (_N, [_P]), "peek": (None, [_P, _U, _P, _N]), "counters": (_N, [_P, _P]),
 }
-"""Of `driver_api.cpp`, which is part of both libraries: the first argument is what `driver` returns."""
+"""Functions of `driver_api.cpp`, which is part of both libraries: the first argument is what `driver` returns."""
 BOARD: Signatures = {
     "new": (_P, []), "free": (None, [_P]), "driver": (_P, [_P]), "clocks": (_T, [_P]), "irq": (_I, [_P]),
-    "trace": (_I, [_P, ctypes.c_char_p]), "tick": (None, [_P, _T]), "reset": (None, [_P]),
+    "trace": (_I, [_P, ctypes.c_char_p]), "tick": (None, [_P, _T]), "reset": (None, [_P]), "restart": (None, [_P, _I]),
     "play": (None, [_P, _I, _P, _T, _U, _T]), "play_frame": (None, [_P, _I, _P, _I, _I, _U, _T]),
     "finish_playing": (_I, [_P, _T]), "pause_surface": (None, [_P, _U, _T]), "surface": (_I, [_P, _P, _N, _T]),
     "surface_waiting": (_N, [_P]),
 }
-"""Of `api.cpp`: the first argument is what `new` returns."""
+"""Functions of `api.cpp`: the first argument is what `new` returns."""
 CALLBACKS: Signatures = {"callbacks_new": (_P, [READ, WRITE]), "callbacks_free": (None, [_P]), "driver": (_P, [_P])}
-"""Of `callbacks.cpp`: the first argument is what `callbacks_new` returns."""
+"""Functions of `callbacks.cpp`: the first argument is what `callbacks_new` returns."""
 
 
 def load(path: Path, own: Signatures) -> ctypes.CDLL:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Jobs and results as they cross the C interface: the same two structs as in `job.hpp`, for NumPy."""
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from golden.correlate import Job, Result, Status
 _JOB = ("tag", "surface", "tpl_slot", "tpl_x", "tpl_y", "width", "height", "search_slot", "search_x", "search_y",
         "offsets_x", "offsets_y")
 _GRID = ("grid_across", "grid_down", "step_x", "step_y")
-JOB = np.dtype([(name, np.int32) for name in (*_JOB, *_GRID)])
+JOB_DTYPE = np.dtype([(name, np.int32) for name in (*_JOB, *_GRID)])
 """`SlogJob`: the fields of `golden.correlate.Job`, then counts and steps of the grid of jobs that it begins."""
-RESULT = np.dtype([("tag", np.int32), ("status", np.int32), ("best_x", np.int32), ("best_y", np.int32),
+RESULT_DTYPE = np.dtype([("tag", np.int32), ("status", np.int32), ("best_x", np.int32), ("best_y", np.int32),
                    ("score", np.int32), ("neighbours", np.int32, 8), ("runner_up", np.int32)])
 """`SlogResult`: the fields of `golden.correlate.Result`."""
 
@@ -24,12 +25,12 @@ _values = attrgetter(*_JOB)
 
 
 def pack_jobs(jobs: Iterable[Job], count: tuple[int, int] = (1, 1), step: tuple[int, int] = (0, 0)) -> NDArray[Any]:
-    """Jobs as an array of `JOB`, each the first of a grid of `count` jobs, `step` pixels apart (across, down)."""
-    return np.array([(*_values(job), *count, *step) for job in jobs], JOB)
+    """Jobs as an array of `JOB_DTYPE`, each the first of a grid of `count` jobs, `step` pixels apart (across, down)."""
+    return np.array([(*_values(job), *count, *step) for job in jobs], JOB_DTYPE)
 
 
 def unpack_results(results: NDArray[Any]) -> list[Result]:
-    """Results from an array of `RESULT`."""
+    """Results from an array of `RESULT_DTYPE`."""
     found = []
     for row, around in zip(results.tolist(), results["neighbours"].tolist(), strict=True):
         tag, status, x, y, score, _, runner_up = row

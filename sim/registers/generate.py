@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Generates everything that contains register addresses from `rtl/control/slog_csr.rdl`.
 
 `python -m sim.registers` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/registers/gen`),
@@ -13,6 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from sim.lint.spdx import without
 from sim.registers.retime import retimed
 from sim.toolchain import ROOT, RTL
 
@@ -53,7 +55,7 @@ def _content(path: Path) -> object:
             return list(base.iterdump())
         finally:
             base.close()
-    return path.read_text()
+    return without(path.read_text())
 
 
 def main(argv: list[str]) -> int:

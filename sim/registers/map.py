@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The register map as plain data, from the generated PyRAL layer: no address is written by hand."""
 
 from __future__ import annotations

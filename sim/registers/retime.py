@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Adds pipeline registers to the generated register block, in the address decoder and in the read path.
 
 A request's strobe is decoded in two clocks and reaches its register, with the data written, in the third. Reads are

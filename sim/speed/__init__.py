@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measurement of the speeds of board, simulators and OpenCV."""

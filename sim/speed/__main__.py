@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`python -m sim.speed`: see `bench`."""
 
 from sim.speed.bench import main

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measures speeds on this machine and writes `out/bench.json`.
 
 `python -m sim.speed [--out FILE]`. Seconds are of processor time, of one core: other load on the machine has little

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What `make bench` runs on the cocotb bench and on the Verilated board: two small frames, then a few searches."""
 
 from __future__ import annotations

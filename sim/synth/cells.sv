@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Simulation models of the ECP5 primitives that rtl/ecp5 uses, in the modes it uses and no others.
 // Written from Lattice's descriptions (FPGA-TN-02204 memory, FPGA-TN-02205 sysDSP); the pairing of the data pins at 36 bits is
 // that of Yosys' own block RAM map. Synthesis takes the port lists only: black boxes.

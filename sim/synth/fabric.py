@@ -1,4 +1,5 @@
-"""Loads of a global network that only fabric can reach.
+# SPDX-License-Identifier: Apache-2.0
+"""Gives loads that a global network does not reach a driver of their own.
 
 The networks of an ECP5 reach registers' clock, reset and enable pins. nextpnr also routes one to a look-up table, on
 fabric wires that it then reserves, which may leave another net unroutable. So all other loads of a network here read a

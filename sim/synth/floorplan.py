@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sites for block RAMs and multipliers of an ECP5-85, chosen before nextpnr places the rest.
 
 nextpnr's analytic placer moves these two kinds to free sites only after it has placed all else. On a board that takes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Synthesis for the Lattice ECP5: Yosys (slang front end), then place and route by nextpnr with several seeds.
 
 `python -m sim.synth [--config full|tiny]` writes `out/synth/report.json` (`out/synth/tiny/report.json` for `tiny`):
@@ -31,7 +32,7 @@ from sim.toolchain import SYNTHESIS, TOP
 FLOORPLANS = Path(__file__).with_name("floorplans")
 DEVICE = "LFE5U-85F-6"
 EBR_LIMIT_MHZ = 212.0
-"""Block RAM's minimum clock period at speed grade 6, which nextpnr does not check."""
+"""Highest clock of a block RAM at speed grade 6, MHz, which nextpnr does not check."""
 
 
 def _floorplan(top: str, config: str, folder: Path) -> None:

@@ -1,6 +1,7 @@
+# SPDX-License-Identifier: Apache-2.0
 """Netlists as Yosys writes them: the flat module, and the comparison of two.
 
-`python -m sim.synth.netlist A.json B.json` says whether two netlists are equal apart from attributes that hold file
+`python -m sim.synth.netlist A.json B.json` compares two netlists apart from attributes that hold file
 names and line numbers: equal netlists need no new place and route.
 """
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """nextpnr: place and route of a netlist for the ECP5, with one seed."""
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """The placer of nextpnr that weighs timing, three times as heavily as by default: a few wires across the device decide
 the clock."""
 ROUTER = ("--router", "router2")
-"""The default router has hung on its last wires."""
+"""The router: the default one does not always finish its last wires."""
 ROUTER_SETTINGS = {"router2/estimateWeight": "1.0", "router2/currCongWeightMult": "0.5"}
 """Not options, but nextpnr takes them from the placed design. estimateWeight 1.0: the search does not overestimate the
 rest of a wire's way; currCongWeightMult 0.5: congestion cost rises more slowly. Late nets then get short ways."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Ranks all paths of a netlist between registers by a delay model; nextpnr shows only one.
 
 Cells have the delays of speed grade 6. Before placement only a wire's fan-out is known: `wire` is a guess that fits

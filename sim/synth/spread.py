@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A global placement: the wires pull, and cells of a kind repel one another like charges until each kind covers the
 capacity that the device has for it (after Lu et al., "ePlace", ACM TODAES 20(2), 2015).
 """
@@ -20,12 +21,12 @@ SIZE = np.array([[WIDTH], [HEIGHT]], np.float64)
 BINS = 64
 """Bins of the charges' grid along each side."""
 LONG = 8
-"""Tiles beyond which a net's pull along an axis doubles: the longest nets decide the clock, and this unties knots in
-the wires."""
+"""Length of a net along an axis, tiles, at which its pull is twice that of a short net. The longest nets decide the
+clock, so they must pull harder."""
 ITERATIONS = 1200
 PUSH, CROWDED, FAR = 1.015, 0.07, 0.3
-"""A kind's charge grows by PUSH in each iteration, while more than FAR of its cells, or CROWDED of the logic, are
-beyond the capacity of their bins."""
+"""In each iteration the charge of the logic, and of every other kind with more than FAR of its cells beyond their bins'
+capacity, is multiplied by PUSH. Iterations end when less than CROWDED of the logic is beyond it."""
 
 
 @dataclass(frozen=True)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs the tools of the flow, which come from Python wheels and run in a sandbox."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Yosys with the slang front end: from the RTL to a flat netlist of ECP5 cells, and the resources of each block."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Builds a module under cocotb once per (sources, parameters) and runs its tests: the only place that does."""
 
 from __future__ import annotations

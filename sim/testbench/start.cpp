@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Starts a simulator inside the Python executable.
 //
 // A cocotb simulator embeds Python, which needs a libpython shared library; many distributions (Debian for one) ship an

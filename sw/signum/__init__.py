@@ -1,6 +1,24 @@
-"""Signum's host side: the names a host script needs.
+# SPDX-License-Identifier: Apache-2.0
+"""Signum's host side: the names a host script needs, and the only ones whose meaning is kept from version to version.
 
-Each is loaded on first use, so that `import signum` is quick and rooms below may import `signum.common`.
+    from signum import Job, Measurer, Query, locate_peaks, open_board, run_jobs
+
+- Boards: `open_board` gives a `Board`, built as `FULL` or `TINY` (`Config`): frames in (`capture`), sign planes out
+  (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`), results (`collect`) and whole surfaces
+  (`surface`). `BoardError` is raised for what a board cannot do.
+- Results: a `Job` has a `Result`: the bits of the board. Its `patch` is the 3x3 scores round the best, rows from the
+  top, columns from the left. `locate_peaks` turns results into `Peak`s: sub-pixel offsets, and `above_chance`, how many
+  standard deviations of a chance score the peak lies above a chance match. A search always has a best place; one that
+  saw nothing but chance reaches 2 to 4, so do not use one below about 6.
+- Measurements: `Measurer` takes `View`s and answers each `Query` with a `Measurement`, validated by `Rules`, whose
+  `valid` and `reason` must be looked at.
+- Tasks: `measure_flow`, `measure_range` (stereo), `Tracker`, `Registrar`, `Survey` (mosaics), `StationMeter` (hover)
+  and `MavlinkSink`, `Follower` (with `RangeEye` or `MotionEye`), `Localiser` in a `Chart`.
+- Frames: `open_source` gives a `Source` of `Frame`s; `Fit` scales them for the board; `read_mono` and `read_stereo`
+  read calibrations. `SignumError` and those derived from it have one line that names the remedy.
+
+Names are loaded on first use, so that `import signum` is quick and rooms below may import `signum.common`. What lies in
+the modules beneath, and is not named here, may change without notice.
 """
 
 from __future__ import annotations
@@ -8,45 +26,78 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from signum.common.version import VERSION
+
+__version__ = VERSION
+
 __all__ = [
-    "FULL", "TINY", "Board", "BoardError", "Config", "Fit", "FlowField", "Frame", "Identification", "Job",
-    "Measurement", "Measurer", "Query", "RangeMap", "Reason", "Registrar", "Registration", "RegistrationLimits",
-    "Result", "Rules", "SignumError", "Similarity", "Source", "SourceError", "Status", "TrackPoint", "TrackSettings",
-    "Tracker", "View", "measure_flow", "measure_range", "open_board", "open_source", "read_picture", "run_jobs",
+    "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "Fit", "FlowField", "Follower", "Frame",
+    "Identification", "Job", "Level", "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer",
+    "MotionEye", "Peak", "Place", "Query", "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar",
+    "Registration", "RegistrationLimits", "Result", "Rules", "SignumError", "Similarity", "Source", "SourceError",
+    "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings",
+    "Tracker", "View", "locate_peaks", "measure_flow", "measure_range", "open_board", "open_source", "read_mono",
+    "read_picture", "read_stereo", "run_jobs",
 ]
 
 _MODULES = {
     "golden.correlate": ("Job", "Result", "Status"),
-    "golden.params": ("FULL", "TINY", "Config"),
+    "golden.params": ("FULL", "NO_SCORE", "TINY", "Config"),
+    "signum.applications.follow.eyes": ("MotionEye", "RangeEye"),
+    "signum.applications.follow.follower": ("Follower", "Target"),
+    "signum.applications.hold.mavlink": ("MavlinkSink",),
+    "signum.applications.hold.meter": ("StationMeter",),
+    "signum.applications.hold.reading": ("Level", "Reading"),
+    "signum.applications.mosaic.settings": ("SurveySettings",),
+    "signum.applications.mosaic.survey": ("Survey",),
+    "signum.applications.navigate.chart": ("Chart",),
+    "signum.applications.navigate.localise": ("Localiser",),
+    "signum.applications.navigate.place": ("LocaliseLimits", "Place"),
     "signum.boards": ("open_board",),
     "signum.boards.board": ("Board", "BoardError", "Identification", "run_jobs"),
     "signum.common.errors": ("SignumError", "SourceError"),
     "signum.frames.fit": ("Fit",),
     "signum.frames.frame": ("Frame", "Source", "read_picture"),
+    "signum.geometry.calibration": ("Rectifier", "StereoGeometry", "read_mono", "read_stereo"),
     "signum.geometry.similarity": ("Similarity",),
     "signum.measure.flow": ("FlowField", "measure_flow"),
-    "signum.measure.measurer": ("Measurement", "Measurer", "Query", "Reason", "Rules", "View"),
+    "signum.measure.measurer": ("Measurement", "Measurer", "Query", "View"),
+    "signum.measure.peak": ("Peak", "locate_peaks"),
     "signum.measure.register": ("Registrar", "Registration", "RegistrationLimits"),
     "signum.measure.stereo": ("RangeMap", "measure_range"),
     "signum.measure.track": ("TrackPoint", "TrackSettings", "Tracker"),
+    "signum.measure.validity": ("Reason", "Rules"),
     "signum.sources.open": ("open_source",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 if TYPE_CHECKING:
     from golden.correlate import Job, Result, Status
-    from golden.params import FULL, TINY, Config
+    from golden.params import FULL, NO_SCORE, TINY, Config
+    from signum.applications.follow.eyes import MotionEye, RangeEye
+    from signum.applications.follow.follower import Follower, Target
+    from signum.applications.hold.mavlink import MavlinkSink
+    from signum.applications.hold.meter import StationMeter
+    from signum.applications.hold.reading import Level, Reading
+    from signum.applications.mosaic.settings import SurveySettings
+    from signum.applications.mosaic.survey import Survey
+    from signum.applications.navigate.chart import Chart
+    from signum.applications.navigate.localise import Localiser
+    from signum.applications.navigate.place import LocaliseLimits, Place
     from signum.boards import open_board
     from signum.boards.board import Board, BoardError, Identification, run_jobs
     from signum.common.errors import SignumError, SourceError
     from signum.frames.fit import Fit
     from signum.frames.frame import Frame, Source, read_picture
+    from signum.geometry.calibration import Rectifier, StereoGeometry, read_mono, read_stereo
     from signum.geometry.similarity import Similarity
     from signum.measure.flow import FlowField, measure_flow
-    from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, View
+    from signum.measure.measurer import Measurement, Measurer, Query, View
+    from signum.measure.peak import Peak, locate_peaks
     from signum.measure.register import Registrar, Registration, RegistrationLimits
     from signum.measure.stereo import RangeMap, measure_range
     from signum.measure.track import Tracker, TrackPoint, TrackSettings
+    from signum.measure.validity import Reason, Rules
     from signum.sources.open import open_source
 else:
     def __getattr__(name: str) -> object:

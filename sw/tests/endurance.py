@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Long runs: memory and time of `mosaic`, `track` and `hold` over thousands of frames; `make endurance`.
 
     python -m tests.endurance [--mosaic 2000] [--long 10000]

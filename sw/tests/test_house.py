@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rules of the house: who may import whom, the same rooms on both sides, one name for one thing, no long files."""
 
 import ast
@@ -20,7 +21,7 @@ ALLOWED = {
 """Functions that several modules may define, as all of them do the same for their module."""
 LONGEST = 400
 REASON = f"Over {LONGEST} lines:"
-"""Begins, within the first 40 lines of a longer file, the sentence that says why it is one file."""
+"""Begins, within the first 40 lines of a longer file, the sentence that gives the reason for one file."""
 
 
 def _modules(folder: Path, package: str) -> dict[str, Path]:
@@ -100,10 +101,10 @@ def test_rtl_cycle_models_and_checks_have_the_same_rooms() -> None:
 
 
 def test_one_name_means_one_thing() -> None:
-    """Public classes of the host and the specification, and public functions of the host."""
+    """Public classes of the host, the specification and the simulation, and public functions of the host."""
     places: dict[str, list[str]] = defaultdict(list)
     for package, folder, kinds in (("signum", "sw/signum", (ast.ClassDef, ast.FunctionDef)),
-                                   ("golden", "golden", (ast.ClassDef,))):
+                                   ("golden", "golden", (ast.ClassDef,)), ("sim", "sim", (ast.ClassDef,))):
         for module, path in _modules(ROOT / folder, package).items():
             for node in ast.parse(path.read_text()).body:
                 if isinstance(node, kinds) and not node.name.startswith("_"):

@@ -1,4 +1,5 @@
-"""`import signum`: quick, and with every name it promises."""
+# SPDX-License-Identifier: Apache-2.0
+"""`import signum` is quick and provides every name in `__all__`."""
 
 import ast
 import subprocess

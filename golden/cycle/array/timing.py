@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Timing of `slog_operands` and `slog_array`, as in rtl/array/slog_array_pkg.sv.
 
 All counts are clocks from the one in which the step of `slog_operands` is valid; `group_bits` is a power of two.
@@ -14,7 +15,7 @@ REUSE_CLOCKS = 4
 
 
 def popcount_levels(group_bits: int) -> int:
-    """Levels of the popcount heap: both groups together hold 2**(levels + 1) bits."""
+    """Levels of the popcount tree: both groups together hold 2**(levels + 1) bits."""
     return (group_bits - 1).bit_length()
 
 
@@ -26,7 +27,7 @@ def score_bits(group_bits: int) -> int:
 def core_latency(group_bits: int) -> int:
     """Operands at `slog_array` to the first mismatch of the pass that ends with them.
 
-    Hop 1, XOR 1, heap levels, accumulator 1 + `score_bits` (bit 0 first), lane selection 3.
+    Hop 1, XOR 1, tree levels, accumulator 1 + `score_bits` (bit 0 first), lane selection 3.
     """
     return popcount_levels(group_bits) + score_bits(group_bits) + 6
 

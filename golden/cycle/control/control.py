@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_control`, with its counters; registers, coefficients and peek port are models of their own."""
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ EVENTS = ("irq_status.capture", "irq_status.drop", "irq_status.overflow")
 
 
 class ControlModel:
-    """Every output comes from registers, so `outputs` needs no inputs.
+    """Every output is a register, so `outputs` needs no inputs.
 
     Args:
         config: the build.
@@ -36,9 +37,9 @@ class ControlModel:
     INPUTS = ("rst_i", *CsrModel.INPUTS, "active_i", "accepted_i", "dropped_i", "slot_valid_i", "armed_i", "writing_i",
               "refused_i", "captured_i", "job_ready_i", "job_level_i", "job_busy_i", "result_valid_i", "result_i",
               "result_level_i", "work_i", "score_i", "peek_ready_i", "peek_done_i", "peek_data_i")
-    OUTPUTS = (*CsrModel.OUTPUTS, "hold_o", "width_o", "height_o", "g_o", "g2_o", "capture_valid_o", "capture_cancel_o",
-               "capture_camera_o", "capture_slot_o", "slots_clear_o", "job_valid_o", "job_o", "grid_x_o", "grid_y_o",
-               "step_x_o", "step_y_o", "result_ready_o", "peek_valid_o", "peek_addr_o", "irq_o")
+    OUTPUTS = (*CsrModel.OUTPUTS, "hold_o", "abort_o", "width_o", "height_o", "g_o", "g2_o", "capture_valid_o",
+               "capture_cancel_o", "capture_camera_o", "capture_slot_o", "slots_clear_o", "job_valid_o", "job_o",
+               "grid_x_o", "grid_y_o", "step_x_o", "step_y_o", "result_ready_o", "peek_valid_o", "peek_addr_o", "irq_o")
 
     def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
         self.config = config
@@ -61,7 +62,9 @@ class ControlModel:
         v, bank = self.csr.value, self.bank
         return {
             **self.csr.outputs(),
-            "hold_o": sum(h << c for c, h in enumerate(bank.hold)), "width_o": bank.size[0],
+            "hold_o": sum(h << c for c, h in enumerate(bank.hold)),
+            "abort_o": (v["filter.abort_0"] | v["filter.abort_1"] << 1) & (1 << self.config.cameras) - 1,
+            "width_o": bank.size[0],
             "height_o": bank.size[1], "g_o": bank.coefs(0), "g2_o": bank.coefs(1), "slots_clear_o": bank.changed,
             "capture_valid_o": v["capture.go"], "capture_cancel_o": v["capture.cancel"],
             "capture_camera_o": v["capture.camera"], "capture_slot_o": v["capture.slot"],
@@ -85,7 +88,7 @@ class ControlModel:
         if result is not None:
             r.update(RESULT.unpack(result))
         status: dict[str, int | None] = {
-            "id.value": int.from_bytes(b"SLOG"), "version.minor": 0, "version.major": 1,
+            "id.value": int.from_bytes(b"SLOG"), "version.minor": 1, "version.major": 1,
             "build_image.max_width": c.max_width, "build_image.max_height": c.max_height,
             "build_filter.min_image": c.min_image, "build_filter.radius": c.radius,
             "build_filter.fraction": COEF_FRACTION, "build_window.min_window": c.min_window,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_correlator`: the models of fetch, sequencer, operands, array and peak unit joined."""
 
 from __future__ import annotations

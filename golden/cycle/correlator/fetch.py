@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_fetch`."""
 
 from __future__ import annotations
@@ -76,7 +77,6 @@ class FetchModel:
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        c = self.config
         arriving, asking = self.flight[-1], self.flight[READ_DELAY]
         aligned = self.align.step({
             "rst_i": i["rst_i"], "in_valid_i": int(arriving is not None),
@@ -88,7 +88,6 @@ class FetchModel:
                                    "slot_valid_i": self.slot_valid, "start_i": int(self.state == "start"),
                                    "job_i": self.job})
         self.slot_valid = i["slot_valid_i"]
-        state = self.state
         out: Values = {
             "job_ready_o": int(self.state == "idle"), "slot_busy_o": self.busy_slots,
             "rd_valid_o": int(asking is not None), "rd_addr_o": None if asking is None else self.sides[asking].addr,
@@ -99,14 +98,24 @@ class FetchModel:
             "ticket_valid_o": int(self.offered), "ticket_o": self.ticket, "tpl_done_o": self.tpl_done,
             "rows_written_o": self.rows_written, "busy_o": int(self.state != "idle" or self.offered)}
 
-        # Operand write.
         if aligned["out_valid_o"] and side is not None and side.row_end:
-            if not side.tpl:
-                self.rows_written = (self.rows_written + 1) % self.counter
-            elif side.load_end:
-                self.tpl_done |= 1 << side.bank
-        # Store read.
-        ring = self.ring
+            self._write_row(side)
+        state, ring = self.state, self.ring
+        self._read_store(i["rows_freed_i"])
+        self._advance(state, ring, i, checked)
+        if i["rst_i"]:
+            self._reset()
+        return out
+
+    def _write_row(self, side: Read) -> None:
+        """Count an operand row whose last word is written in this clock."""
+        if not side.tpl:
+            self.rows_written = (self.rows_written + 1) % self.counter
+        elif side.load_end:
+            self.tpl_done |= 1 << side.bank
+
+    def _read_store(self, rows_freed: int) -> None:
+        """Choose the next word to read, if its ring row is free; `rows_freed` is the walker's count."""
         self.flight.pop()
         paused, self.pause = self.pause, max(self.pause - 1, 0)
         reading = bool(self.reads) and not paused and (
@@ -116,7 +125,7 @@ class FetchModel:
             self.sides.append(read)
             self.flight.insert(0, len(self.sides) - 1)
             if read.ring_end:
-                self.ring = (ring + 1) % self.counter
+                self.ring = (self.ring + 1) % self.counter
             if not self.reads:
                 self.state = "end"
             elif read.tpl and not self.reads[0].tpl:
@@ -124,14 +133,23 @@ class FetchModel:
         else:
             self.flight.insert(0, None)
         self.full = self.ring == self.limits.popleft()
-        self.limits.append((i["rows_freed_i"] + c.ring_rows) % self.counter)
-        # Job state.
+        self.limits.append((rows_freed + self.config.ring_rows) % self.counter)
+
+    def _advance(self, state: str, ring: int, i: Inputs, checked: Values) -> None:
+        """Take the job from `state` of this clock to the next: accepted, checked, its ticket issued, its reads listed.
+
+        Args:
+            state: this clock's; the store read may have changed `self.state`.
+            ring: this clock's ring row, where the search rectangle of a new job begins.
+            i: inputs.
+            checked: outputs of the job check.
+        """
         free_bank = self.banks_used < 2
         self.banks_used -= i["bank_free_i"]
         offered = self.offered
         if i["ticket_ready_i"]:
             self.offered = False
-        if out["job_ready_o"]:
+        if state == "idle":
             self.job, self.busy_slots = i["job_i"], 0
             if i["job_valid_i"]:
                 self.state = "mark"
@@ -165,9 +183,6 @@ class FetchModel:
             self.state = "over"
         elif state == "over":
             self.state = "idle"
-        if i["rst_i"]:
-            self._reset()
-        return out
 
     def _layout(self) -> Iterator[Read]:
         """Every read of the current job: template before search, row by row, word by word."""

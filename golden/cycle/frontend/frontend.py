@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_frontend`."""
 
 from __future__ import annotations
@@ -22,12 +23,13 @@ class FrontendModel:
         self.packer = PackerModel(group_bits)
         self.video_busy: deque[int | None] = deque([0] * 4, 4)
         self.log_busy: deque[int | None] = deque([0] * 6, 6)
-        self.hold = 0  # hold_i of the clock before
+        self.hold, self.abort = 0, 0  # hold_i and abort_i of the clock before
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        video = self.video.step({**i, "hold_i": self.hold})
+        video = self.video.step({**i, "hold_i": self.hold, "abort_i": self.abort})
         self.hold = i["hold_i"] | i["rst_i"]
+        self.abort = i["abort_i"] & ~i["rst_i"]
         px = pixel_inputs(video)
         bit = self.log.step({"rst_i": i["rst_i"], "g_i": i["g_i"], "g2_i": i["g2_i"], **px})
         word = self.packer.step({"rst_i": i["rst_i"], **{f"{k[:-2]}_i": v for k, v in bit.items()}})

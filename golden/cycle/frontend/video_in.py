@@ -1,14 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_video_in`."""
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass, field
 
 from golden.cycle.model import Inputs, Values
-
-LINES = 3
-"""Lines the ring holds."""
 
 
 @dataclass(eq=False)
@@ -31,7 +28,7 @@ class _Line:
 class _Event:
     """Effect of a beat; it reaches the scheduler one clock later."""
 
-    commit: _Line | None = None
+    line: _Line | None = None
     kill: _Frame | None = None
     drops: int = 0
 
@@ -64,9 +61,10 @@ class _Issue:
 
 
 class VideoInModel:
-    """Frames and lines as objects: a line of a dead frame is discarded."""
+    """Frames and lines as objects: a line of a dead frame is discarded, and none ever waits for another."""
 
-    INPUTS = ("rst_i", "tdata_i", "tvalid_i", "tuser_i", "tlast_i", "width_i", "height_i", "hold_i")
+    INPUTS = ("rst_i", "tdata_i", "tvalid_i", "tuser_i", "tlast_i", "width_i", "height_i", "hold_i",
+              "abort_i")
     OUTPUTS = ("tready_o", "px_valid_o", "px_data_o", "px_col_o", "px_first_o", "px_last_o", "px_out_o", "px_bottom_o",
                "px_dist_o", "px_live_o", "px_start_o", "px_done_o", "px_abort_o", "accepted_o", "dropped_o", "busy_o")
     LATENCY = 6
@@ -84,7 +82,8 @@ class VideoInModel:
         self.line = _Line(self.frame, 0, [])
         self.event = _Event()
         self.owed, self.dropped = 0, 0
-        self.ring: deque[_Line] = deque()
+        self.stop = 0  # abort_i of the clock before
+        self.complete: _Line | None = None  # the line that is started in this clock
         self.tick: _Tick | None = None
         self.read: _Line | None = None
         self.out: _Output | None = None
@@ -98,15 +97,13 @@ class VideoInModel:
             self.data = self.reads[2]
         line = self.tick.line if self.tick else None
         self.reads = [line.pixels[self.tick.col] if self.tick and line else None, *self.reads[:2]]
-        reading = self.tick is not None and self.tick.line is not None
-        ready = (len(self.ring) + reading + (event.commit is not None) != LINES
-                 and not (i["hold_i"] and self.state != "active"))
+        ready = not self.stop and not (i["hold_i"] and self.state != "active")
         out: Values = {
             "tready_o": int(ready), "px_valid_o": shown.valid, "px_data_o": self.data,
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o") for k in ("col", "first", "last", "out", "bottom", "dist")},
             **{f"px_{k}_o": shown.px.get(f"px_{k}_o", 0) for k in ("live", "start", "done")},
             "px_abort_o": shown.abort, "accepted_o": self.accepted, "dropped_o": self.dropped,
-            "busy_o": int(self.state == "active" or event.commit is not None or bool(self.ring) or
+            "busy_o": int(self.state == "active" or event.line is not None or self.complete is not None or
                           self.tick is not None or self.out is not None or
                           any(p.valid or p.abort for p in self.pipe))}
         if i["rst_i"]:
@@ -119,12 +116,19 @@ class VideoInModel:
         self._schedule(i, killed)
         if killed:
             killed.dead = True
-        if event.commit:
-            self.ring.append(event.commit)
+        self.complete = event.line
         self.pipe = [issue, *self.pipe[:2]]
         self.accepted = int(issue.px.get("px_done_o") or 0)
-        self.event = self._receive(i) if ready and i["tvalid_i"] else _Event()
+        self.event = self._abort() if self.stop else self._receive(i) if ready and i["tvalid_i"] else _Event()
+        self.stop = i["abort_i"]
         return out
+
+    def _abort(self) -> _Event:
+        """Drop the frame that is being received, if any."""
+        if self.state != "active":
+            return _Event()
+        self.state = "ignore"
+        return _Event(kill=self.frame, drops=1)
 
     def _receive(self, i: Inputs) -> _Event:
         """Check an accepted beat against the frame and store it."""
@@ -143,8 +147,8 @@ class VideoInModel:
         elif self.state == "active":
             self.line.pixels.append(i["tdata_i"])
             if end:
-                event.commit = self.line
-                self.line = _Line(self.frame, event.commit.row + 1, [])
+                event.line = self.line
+                self.line = _Line(self.frame, event.line.row + 1, [])
                 if self.line.row == i["height_i"]:
                     self.state = "closed"
         return event
@@ -185,11 +189,11 @@ class VideoInModel:
 
     def _schedule(self, i: Inputs, killed: _Frame | None) -> None:
         """At the end of a line take the next line, or a filler."""
+        line, o = self.complete, self.out
         if self.tick:
+            assert line is None, "a line waits"
             return
-        o = self.out
-        if self.ring:
-            line = self.ring.popleft()
+        if line:
             if line.frame.dead or line.frame is killed:
                 return
             self.tick, self.read = _Tick(line), line

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_peak_intake`."""
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ class PeakIntakeModel:
         self.flying: deque[Values | None] = deque([None, None])
 
     @property
-    def willing(self) -> bool:
+    def ready_pattern(self) -> bool:
         """A score can be taken in this clock."""
         return self.row is not None and bool(self.surf_ok or not SCORING.unpack(self.row["scoring_i"])["surface"])
 
@@ -39,20 +40,20 @@ class PeakIntakeModel:
 
     def takes(self, mismatch_valid: int) -> bool:
         """A row is taken in this clock."""
-        return bool(self.open and (self.row is None or (mismatch_valid and self.willing and self.ends)))
+        return bool(self.open and (self.row is None or (mismatch_valid and self.ready_pattern and self.ends)))
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
-        row, now, willing, ends = self.row, self.flying[0], self.willing, self.ends
+        row, now, ready_pattern, ends = self.row, self.flying[0], self.ready_pattern, self.ends
         take = self.takes(i["mismatch_valid_i"])
-        out: Values = {"row_taken_o": int(take), "mismatch_ready_o": int(willing),
+        out: Values = {"row_taken_o": int(take), "mismatch_ready_o": int(ready_pattern),
                         "score_valid_o": int(now is not None), "bank_o": 0, "surf_valid_o": 0,
                         **dict.fromkeys((*self.SCORE, "surf_first_o", "surf_last_o")), **(now or {})}
         if i["rst_i"]:
             self.clear()
             return out
         scored: Values | None = None
-        if willing and i["mismatch_valid_i"] and row is not None:
+        if ready_pattern and i["mismatch_valid_i"] and row is not None:
             begins, scoring = self.x == 0, SCORING.unpack(row["scoring_i"])
             surface = scoring["surface"]
             scored = {"score_first_o": int(begins), "score_last_o": int(ends), "score_x_o": self.x,

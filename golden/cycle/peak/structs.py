@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Packed structs of rtl/peak/slog_peak_pkg.sv as Python layouts.
 
 A score that may be absent (`maybe_t`) is {present, score}: `PRESENT + score`, or 0.

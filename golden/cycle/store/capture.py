@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_capture`."""
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ class CaptureModel:
         self.slot_valid, self.refused, self.done = 0, 0, 0
         self.write: tuple[int, int] | None = None
         self.chosen: list[tuple[int, int] | None] = [None] * (HOPS + 1)  # coming store writes, the latest first
-        self.command: tuple[bool, int, int] | None = None  # cancel, camera, slot of two clocks before
-        self.coming: tuple[bool, int, int] | None = None  # the same of the clock before
+        self.command: tuple[bool, int, int] | None = None  # cancel, camera, slot: the command of two clocks before
+        self.coming: tuple[bool, int, int] | None = None  # cancel, camera, slot: the command of the clock before
 
     def outputs(self) -> Values:
-        """Outputs of this clock: all from registers, the command of two clocks before among them."""
+        """Outputs of this clock: all are registers, or depend on the command of two clocks before."""
         arm, cancel, refused = self._decide()
         return {
             "wr_valid_o": int(self.write is not None),

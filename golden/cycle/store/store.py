@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cycle model of `slog_store`."""
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ STORE_LATENCY = 10
 class StoreModel:
     """A read returns all writes of two clocks before and earlier; its word must not be written in the clock before.
 
-    Words never written, and data before the first read, are undefined.
+    A peek reads likewise, but of a word written in the clock before it gives an undefined value. Words never written,
+    and data before the first read, are undefined.
     """
 
     INPUTS = ("rst_i", "wr_valid_i", "wr_addr_i", "wr_data_i", "rd_valid_i", "rd_addr_i", "peek_valid_i", "peek_addr_i")
@@ -46,7 +48,7 @@ class StoreModel:
         if arrived is not None:
             self.data = arrived[0] if arrived[0] >= 0 else None
             self.done = arrived[1]
-        self.flight.insert(0, None if read is None else (self._word(read[0]), read[1]))
+        self.flight.insert(0, None if read is None else (self._word(*read), read[1]))
         if self.write is not None:
             self.memory[self.write[0]] = self.write[1]
         self.write = (i["wr_addr_i"], i["wr_data_i"]) if i["wr_valid_i"] else None
@@ -57,6 +59,8 @@ class StoreModel:
             self.flight = [None if f is None else (f[0], False) for f in self.flight]
         return out
 
-    def _word(self, address: int) -> int:
+    def _word(self, address: int, peek: bool) -> int:
+        """The word a read finds, -1 if undefined."""
+        collides = peek and self.write is not None and self.write[0] == address
         word = self.memory[address]
-        return -1 if word is None else word
+        return -1 if word is None or collides else word

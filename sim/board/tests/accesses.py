@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A log of register accesses: recorded from the Verilated tiny board, kept in `accesses.log`, and replayed without it.
 
 `python -m sim.board.tests.accesses` records it anew. The driver in it has nothing but `read` and `write`, as over UART.
@@ -79,7 +80,7 @@ def record() -> list[str]:
     return lines
 
 
-class Replay:
+class AccessReplay:
     """The board's side of a log: answers reads as recorded, and raises an error where an access differs."""
 
     def __init__(self, lines: list[str]) -> None:

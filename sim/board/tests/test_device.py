@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Verilated board, both configurations, against the frame level: identical bits."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The register driver without a board: over a recorded log of accesses, and against the register map."""
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from golden.correlate import Job, Result, Status, grid, run
 from golden.params import TINY
 from sim.board.callbacks import CallbackDriver
 from sim.board.driver import DeviceError
-from sim.board.structs import JOB, RESULT, pack_jobs, unpack_results
+from sim.board.structs import JOB_DTYPE, RESULT_DTYPE, pack_jobs, unpack_results
 from sim.board.tests import accesses
 from sim.registers.map import fields, word
 
@@ -24,7 +25,7 @@ def _logged() -> list[str]:
 
 
 def _replayed(lines: list[str]) -> None:
-    replay = accesses.Replay(lines)
+    replay = accesses.AccessReplay(lines)
     with CallbackDriver("tiny", replay.read, replay.write) as driver:
         results, planes, counters = accesses.exercise(driver, lambda camera, frame: None)
         assert driver.outstanding == 0
@@ -59,7 +60,7 @@ def test_log_is_what_the_board_answers() -> None:
 
 def test_structs_agree_field_by_field() -> None:
     """Names, types, order and places of `job.hpp` are those of `structs.py`."""
-    for name, struct in (("SlogJob", JOB), ("SlogResult", RESULT)):
+    for name, struct in (("SlogJob", JOB_DTYPE), ("SlogResult", RESULT_DTYPE)):
         body = re.search(rf"struct {name} {{(.*?)\n}};", HEADER.read_text(), re.DOTALL)
         assert body
         offset = 0
@@ -74,11 +75,11 @@ def test_structs_agree_field_by_field() -> None:
 
 
 def test_each_field_reaches_its_register() -> None:
-    """A job whose fields all differ, and a result likewise."""
+    """A job and a result whose fields all differ."""
     job = Job(tpl_slot=1, tpl_x=2, tpl_y=3, width=14, height=15, search_slot=6, search_x=7, search_y=8, offsets_x=9,
               offsets_y=10, tag=11, surface=True)
     count, step = (2, 3), (4, 5)
-    assert dict(zip(JOB.names or (), pack_jobs([job], count, step)[0].tolist(), strict=True)) == {
+    assert dict(zip(JOB_DTYPE.names or (), pack_jobs([job], count, step)[0].tolist(), strict=True)) == {
         **vars(job), "grid_across": 2, "grid_down": 3, "step_x": 4, "step_y": 5}
     want = {"job.tpl": word("job.tpl", slot=1, x=2, y=3), "job.window": word("job.window", width=14, height=15),
             "job.search": word("job.search", slot=6, x=7, y=8), "job.offsets": word("job.offsets", across=9, down=10),
@@ -92,7 +93,7 @@ def test_each_field_reaches_its_register() -> None:
                 for k in range(4)},
              "job.status": word("job.status", ready=-1), "build_queue": word("build_queue", job_depth=8)}
     register = {field.address: name.rpartition(".")[0] for name, field in fields().items()}
-    identity = accesses.Replay(_logged())
+    identity = accesses.AccessReplay(_logged())
     written: dict[str, int] = {}
 
     def read(where: int) -> int:
@@ -110,16 +111,16 @@ def test_each_field_reaches_its_register() -> None:
         assert {name: written[name] for name in want} == want
         assert driver.outstanding == 6
         assert driver.collect(1) == [result] and driver.outstanding == 5
-    row = np.zeros(1, RESULT)
+    row = np.zeros(1, RESULT_DTYPE)
     row["neighbours"] = result.neighbours
-    for name in set(RESULT.names or ()) - {"neighbours"}:
+    for name in set(RESULT_DTYPE.names or ()) - {"neighbours"}:
         row[name] = getattr(result, name)
     unpacked = unpack_results(row)
     assert unpacked == [result] and {type(n) for n in unpacked[0].neighbours} == {int}
 
 
 def test_an_access_that_raises_ends_the_call() -> None:
-    replay = accesses.Replay(_logged())
+    replay = accesses.AccessReplay(_logged())
     broken: list[int] = []
 
     def read(where: int) -> int:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Retiming of the generated register block: a block of another form is refused, not changed in part."""
 
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Loads of global networks."""
 
 import json
@@ -20,7 +21,7 @@ def _moved(path: Path, cells: dict[str, Any]) -> tuple[int, dict[str, Any]]:
 
 
 def test_only_pins_of_registers_stay_on_a_network(tmp_path: Path) -> None:
-    """What a look-up table or a data pin reads comes from a copy of the register, one for each block."""
+    """Look-up tables and data pins read a copy of the register, one copy for each block."""
     cells = {"source": _cell("TRELLIS_FF", "Q", CLK=2, DI=3, Q=4),
              "net": _cell("DCCA", "CLKO", CLKI=4, CE="1", CLKO=5),
              "a.b.reset": _cell("TRELLIS_FF", "Q", CLK=2, LSR=5, DI=6, Q=7),

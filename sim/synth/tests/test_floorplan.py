@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Floorplan of block RAMs and multipliers on small netlists."""
 
 import json
@@ -49,7 +50,7 @@ def test_blocks_get_sites_of_their_own_near_their_like() -> None:
 
 
 def test_wires_pull_as_their_cost_grows() -> None:
-    """The cost of two nets by hand; each cell feels how it changes with its place."""
+    """The cost of two nets, computed by hand, and its slope with the place of each cell."""
     at = np.array([[3.0, 40.0, 10.0, 90.0], [0.0, 0.0, 7.0, 7.0]])
     wires = Wires.of([[0, 1], [0, 2, 3]])
     lengths = [37.0, 87.0, 0.0, 7.0]

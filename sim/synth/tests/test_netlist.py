@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Comparison of netlists: file names and line numbers do not count, all else does."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The estimate of paths, on netlists small enough to add up by hand."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_control with the members of its AXI4-Lite structs as ports of their own.
 module tb_control
   import slog_pkg::*;
@@ -28,6 +29,7 @@ module tb_control
     input  logic                           s_axil_rready,
     // front ends
     output logic [Cameras-1:0]             hold_o,
+    output logic [Cameras-1:0]             abort_o,
     output logic [9:0]                     width_o,
     output logic [9:0]                     height_o,
     output logic [Coefs-1:0][CoefBits-1:0] g_o,

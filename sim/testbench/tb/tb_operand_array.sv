@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_operands feeding slog_array: the ports towards fetch and sequencer, the operands in between, and the scores.
 module tb_operand_array #(
     parameter  int unsigned GroupBits   = 8,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of slog_peak side by side, each with its own ports, so that one build tests them all.
 module tb_peak_parts
   import slog_pkg::*;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_sequencer with step_o.valid as a separate port: the other fields are undefined before the first step.
 module tb_sequencer #(
     parameter  int unsigned GroupBits   = 8,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slog_walker with step_o.valid as a separate port: the other fields are undefined before the first step.
 module tb_walker #(
     parameter  int unsigned Pitch       = 4,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A PID controller with limits on its output and on how fast the output changes, for one axis."""
 
 from __future__ import annotations

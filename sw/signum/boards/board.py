@@ -1,4 +1,5 @@
-"""The Board interface: the one door through which measurements reach a sign-of-LoG board.
+# SPDX-License-Identifier: Apache-2.0
+"""The abstract class every back end implements; all measurements use it.
 
 A back end (golden model, Verilated RTL, later a real board) implements the underscored methods of `Board`; given the
 same calls, every back end returns the same bits. What a caller hands over is checked here, before it reaches a back
@@ -10,6 +11,7 @@ Units: pixels of the board's image, x to the right, y down, (0, 0) the top left 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -68,7 +70,8 @@ class Board(ABC):
         self._configurations = 0
         self._usable: dict[int, bool] = {}
         """Whether each slot captured so far holds a frame of the present image size."""
-        self._outstanding = 0
+        self._named: deque[tuple[int, frozenset[int]]] = deque()
+        """Outstanding results in order: for each run of jobs that name the same slots, their number and those slots."""
 
     @property
     def config(self) -> Config:
@@ -102,7 +105,7 @@ class Board(ABC):
     @property
     def outstanding(self) -> int:
         """Results submitted for and not yet collected."""
-        return self._outstanding
+        return sum(count for count, _ in self._named)
 
     @property
     @abstractmethod
@@ -132,7 +135,7 @@ class Board(ABC):
         if not MIN_SIGMA <= sigma <= MAX_SIGMA:
             raise BoardError(f"sigma {sigma:g}: this board takes {MIN_SIGMA:g} to {MAX_SIGMA:g} pixels")
         resized = (width, height) != self._size
-        if resized and self._outstanding:
+        if resized and self._named:
             raise BoardError("collect the outstanding results before changing the image size")
         if resized or sigma != self._sigma:
             try:
@@ -147,13 +150,18 @@ class Board(ABC):
     def capture(self, slot: int, frame: Image, camera: int = 0) -> None:
         """Send one frame through a camera's LoG and keep its signs in a slot; returns when the slot is valid.
 
+        A slot that outstanding jobs name keeps its frame: their results must be collected first, also
+        those of jobs that the board will refuse. After a failed capture the slot holds no frame and no request is left
+        on the board.
+
         Args:
             slot: 0..config.slots-1.
             frame: uint8 (height, width) of the image size.
             camera: 0..config.cameras-1.
 
         Raises:
-            BoardError: for a wrong slot, camera, shape or dtype, before `configure`, or if the frame was dropped.
+            BoardError: for a wrong slot, camera, shape or dtype, before `configure`, if results of jobs that name the
+            slot are outstanding (nothing is sent then), or if the frame was dropped.
         """
         self._capture_all([(camera, slot, frame)])
 
@@ -184,7 +192,8 @@ class Board(ABC):
         for job in jobs:
             self._check_job(job)
         self._submit(jobs)
-        self._outstanding += len(jobs)
+        for job in jobs:
+            self._note(job, 1)
 
     def submit_grid(self, job: Job, count: tuple[int, int], step: tuple[int, int]) -> None:
         """Queue a grid of jobs by one command: count (across, down) copies of `job`, in raster order, the template and
@@ -193,7 +202,7 @@ class Board(ABC):
         if min(count) < 1 or max(count) > 1023 or min(step) < 0 or max(step) > 1023:
             raise BoardError(f"grid of {count} with steps {step}: counts are 1..1023 and steps 0..1023")
         self._submit_grid(job, count, step)
-        self._outstanding += count[0] * count[1]
+        self._note(job, count[0] * count[1])
 
     def collect(self, count: int) -> list[Result]:
         """The next `count` results, in the order of their jobs; waits for them.
@@ -201,10 +210,14 @@ class Board(ABC):
         Raises:
             BoardError: if fewer than `count` results are outstanding.
         """
-        if count > self._outstanding:
-            raise BoardError(f"{count} results wanted, {self._outstanding} outstanding")
+        if count > self.outstanding:
+            raise BoardError(f"{count} results wanted, {self.outstanding} outstanding")
         results = self._collect(count)
-        self._outstanding -= count
+        while count > 0:
+            jobs, slots = self._named.popleft()
+            if jobs > count:
+                self._named.appendleft((jobs - count, slots))
+            count -= jobs
         return results
 
     def surface(self, job: Job) -> tuple[Result, Surface]:
@@ -213,7 +226,7 @@ class Board(ABC):
         Raises:
             BoardError: if the job is refused, or results are outstanding.
         """
-        if self._outstanding:
+        if self._named:
             raise BoardError("collect the outstanding results before asking for a surface")
         self._check_slots(job)
         result, surface = self._surface(job)
@@ -243,6 +256,9 @@ class Board(ABC):
     def _capture_all(self, frames: Sequence[tuple[int, int, Image]]) -> None:
         for camera, slot, frame in frames:
             self._check_capture(slot, frame, camera)
+        for slot in sorted(slot for _, slot, _ in frames):
+            if any(slot in slots for _, slots in self._named):
+                raise BoardError(f"slot {slot} is named by jobs whose results are not collected: collect them first")
         for _, slot, _ in frames:
             self._usable.pop(slot, None)
         self._capture(frames)
@@ -258,6 +274,13 @@ class Board(ABC):
             raise BoardError(f"camera {camera}: this board has {self._config.cameras}")
         if frame.dtype != np.uint8 or frame.shape != self._size[::-1]:
             raise BoardError(f"frame is {frame.dtype} {frame.shape}: expected uint8 {self._size[::-1]}")
+
+    def _note(self, job: Job, count: int) -> None:
+        """Add `count` jobs with the slots of `job` to the outstanding ones."""
+        slots = frozenset((job.tpl_slot, job.search_slot))
+        if self._named and self._named[-1][1] == slots:
+            count += self._named.pop()[0]
+        self._named.append((count, slots))
 
     def _check_job(self, job: Job) -> None:
         if job.surface:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The golden board: the frame-level golden model behind the Board interface.
 
 Results are those of the RTL, bit for bit. Clocks are an estimate of what the RTL needs for the same call:
@@ -23,7 +24,7 @@ from signum.common.arrays import Image
 
 PIPELINE_CLOCKS = 64
 """Clocks from the last pixel of a flushed frame to a valid slot: about the depth of the LoG pipeline."""
-REGISTER_VERSION = "1.0"
+REGISTER_VERSION = "1.1"
 """Version of the register block whose board this model computes (`rtl/control/slog_csr.rdl`)."""
 
 

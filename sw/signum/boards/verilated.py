@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Verilated board behind the Board interface: the RTL itself, simulated, bit for bit what the hardware computes."""
 
 from __future__ import annotations

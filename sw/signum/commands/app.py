@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The `signum` application, and what makes a function one of its commands: option groups, errors in one line."""
 
 from __future__ import annotations
@@ -11,15 +12,16 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
 from signum.boards.board import BoardError
 from signum.commands.options import MegapixelsOption
 from signum.common.checks import MEGAPIXELS, megapixels, option
-from signum.common.console import notes
+from signum.common.console import notes, out
 from signum.common.errors import SignumError
+from signum.common.version import VERSION
 
 LONGEST = 500
 """Characters of an error line; the rest, such as a tool's whole output, is cut off."""
@@ -36,8 +38,15 @@ app = typer.Typer(
     help="Sign-of-LoG vision for underwater robots: filters, tracks and builds mosaics on a simulated board.")
 
 
+def _print_version(asked: bool) -> None:
+    if asked:
+        out.print(f"signum {VERSION}", highlight=False)
+        raise typer.Exit
+
+
 @app.callback()
-def _signum() -> None:
+def _signum(version: Annotated[bool, typer.Option(
+        "--version", is_eager=True, callback=_print_version, help="Print the version and end.")] = False) -> None:
     """Only with a callback does Typer require a command's name where a single command is loaded."""
 
 
@@ -79,8 +88,10 @@ def _checked(function: Callable[..., None]) -> Callable[..., None]:
 def _shown(parameter: inspect.Parameter) -> str:
     """A parameter as the command line names it."""
     for about in getattr(parameter.annotation, "__metadata__", ()):
-        for name in getattr(about, "param_decls", None) or ():
-            return str(name).partition("/")[0]
+        # Typer takes an option's first name for its default until it reads the annotation.
+        for name in (getattr(about, "default", None), *(getattr(about, "param_decls", None) or ())):
+            if str(name).startswith("--"):
+                return str(name).partition("/")[0]
     return parameter.name.upper()
 
 

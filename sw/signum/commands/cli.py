@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The `signum` command: all its subcommands, each of which adds itself to the application."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum flow`."""
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from signum.commands.options import BoardOptions, CalibrationOption, OutOption, 
 from signum.commands.session import Session
 from signum.common.files import write_picture
 from signum.frames.frame import Frame
-from signum.measure.flow import FlowField, draw_flow, measure_flow
+from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
+from signum.report.draw import draw_flow
 from signum.report.movie import Movie
 from signum.report.rows import flow_rows
 from signum.tables.schemas import FLOW

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum follow`."""
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ class FollowSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames instead: "
-        "video, folder of pictures, .npy array, camera number; segmented by motion, or with --right by range.")] = None
+        "video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE; segmented by motion, or "
+        "with --right by range.")] = None
     right: Annotated[str | None, typer.Option(
         "--right", rich_help_panel=SOURCE, show_default=False, help="The right camera's frames, for range; needs "
         "--calibration.")] = None
@@ -61,7 +63,7 @@ class FollowSource:
         "--calibration", rich_help_panel=SOURCE, show_default=False, help="OpenCV YAML of the stereo pair (K1 D1 K2 D2 "
         "R T).")] = None
     nearer: Annotated[float, typer.Option("--nearer", rich_help_panel=SOURCE, min=0.2,
-                                          help="What is nearer than this is fish, metres.")] = 4.0
+                                          help="Objects nearer than this are taken for fish, metres.")] = 4.0
     rate: Annotated[float, typer.Option("--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0,
                                         help="Frames per second of the source.")] = 10.0
 
@@ -70,8 +72,9 @@ class FollowSource:
 class FollowWorld:
     """The simulated world."""
 
-    where: Annotated[Where, typer.Option("--where", rich_help_panel=SIMULATION,
-                                         help="midwater: segmented by range; terrain: by motion.")] = Where.MIDWATER
+    where: Annotated[Where, typer.Option(
+        "--where", rich_help_panel=SIMULATION, help="midwater: fish segmented by range; terrain: by motion.",
+    )] = Where.MIDWATER
     seed: SeedOption = 0
     darts: Annotated[float | None, typer.Option("--darts", rich_help_panel=SIMULATION, min=1.0, show_default="never",
                                                 help="Second at which the fish darts out of view.")] = None

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum hold`."""
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ class HoldSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames to measure "
-        "instead: video, folder of pictures, .npy array, camera number.")] = None
+        "instead: video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.")] = None
     calibration: CalibrationOption = None
     focal: Annotated[float | None, typer.Option(
         "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum mosaic`."""
 
 from __future__ import annotations
@@ -98,7 +99,7 @@ def mosaic(
     ground: GroundOptions = GROUND_DEFAULTS,
     columns: Annotated[TrackKind, typer.Option(
         "--columns", help="auto: any track, all neighbours linked and placed by least squares; single: each frame "
-        "against the one before only; turned: the camera turned in place, loops bend and are made to close.")
+        "against the one before only; turned: as auto, for a camera turned in place, whose distorted loops are closed.")
                        ] = TrackKind.auto,
     truth: Annotated[Path | None, typer.Option(
         "--truth", help="CSV with frame and east_m, north_m (or x_px, y_px), and heading_deg if known: errors of the "
@@ -263,7 +264,7 @@ def _outcome(survey: Survey, done: int, judged: bool) -> str:
     others = [edge for edge in survey.edges if edge.kind not in ("sequence", "live")]
     lines = [f"refused: {edge.frame_a} to {edge.frame_b} ({edge.reason})" for edge in chained if not edge.accepted]
     if len(survey.pieces) > 1:
-        lines.append(f"the chain broke: {len(survey.pieces)} pieces, of which mosaic.png and poses.csv are the largest")
+        lines.append(f"the chain broke: {len(survey.pieces)} components; mosaic.png and poses.csv are of the largest")
     stored = {edge.frame_b for edge in chained if edge.accepted and edge.kind == "sequence"}
     chained = [edge for edge in chained if edge.kind == "sequence" or edge.frame_b not in stored]
     lines.append(f"{survey.out / 'mosaic.png'}: {done} frames, {sum(k.accepted for k in chained)} of {len(chained)} "

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum navigate`."""
 
 from __future__ import annotations

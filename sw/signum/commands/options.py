@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The options that several commands share, each defined once, and the names of the groups in `--help`."""
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ SOURCE, BOARD, OUTPUT, SIMULATION = "Source", "Board", "Output", "Simulation"
 
 
 class BoardName(StrEnum):
-    """`boards.BOARDS`, as a choice."""
+    """The boards of `boards.BOARDS`, for the choice on the command line."""
 
     golden = "golden"
     verilated = "verilated"
 
 
 SourceArgument = Annotated[str, typer.Argument(
-    help="Video, folder of pictures, ROS bag, .npy array or camera number.", show_default=False)]
+    help="Video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.", show_default=False)]
 CalibrationOption = Annotated[Path | None, typer.Option(
     "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, "
     "image_width, image_height): lens distortion is taken out of every frame.")]

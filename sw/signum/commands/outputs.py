@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The folder a command writes into: one process at a time, and only files that are the command's own.
 
 `run-COMMAND.jsonl` in the folder names what a command was run on and the files it has made, a JSON string a line. A

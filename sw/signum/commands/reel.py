@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What `signum simulate` writes: frames as video or pictures, the truth, the cameras' calibration."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the commands that measure have in common: source, board, folder, progress, tables, report."""
 
 from __future__ import annotations

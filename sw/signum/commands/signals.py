@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How a command is stopped: SIGINT, SIGTERM and SIGHUP alike.
 
 The first signal raises KeyboardInterrupt where the command can stop; what it does then, it has `GRACE_S` for. After

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum simulate`."""
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Kind(StrEnum):
 
 
 class WaterName(StrEnum):
-    """`sources.simulated.WATERS`, as a choice."""
+    """The waters of `sources.simulated.WATERS`, for the choice on the command line."""
 
     clear = "clear"
     coastal = "coastal"

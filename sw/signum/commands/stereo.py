@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum stereo`."""
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from signum.common.files import replacing, write_picture
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
-from signum.measure.stereo import RangeMap, draw_range, measure_range, write_ply
+from signum.measure.stereo import RangeMap, measure_range
+from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
 from signum.sources.open import open_source
 from signum.tables.schemas import DISPARITY
@@ -58,7 +60,8 @@ DISPARITY_DEFAULTS = DisparityOptions()
 @command()
 def stereo(
     left: Annotated[str, typer.Argument(help="Left camera's picture, folder, video or bag.", show_default=False)],
-    right: Annotated[str, typer.Argument(help="The same of the right camera, as many frames.", show_default=False)],
+    right: Annotated[str, typer.Argument(help="Right camera's picture, folder, video or bag, with as many frames "
+                                         "as the left.", show_default=False)],
     calibration: Annotated[Path | None, typer.Option(
         "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the pair (K1 D1 K2 D2 R T image_width "
         "image_height, T in metres): rectifies the frames, and gives ranges. Without it the frames must be rectified, "

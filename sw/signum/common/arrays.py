@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Types of arrays; their shapes and units are given where they are used."""
 
 from __future__ import annotations

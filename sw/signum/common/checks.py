@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The checks that every input passes at the border: regular file, size, finite, range, shape, pixels.
 
 Each raises one line that names the input, the field and what is expected, and is the only place where its rule is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The terminal: output, notes to the user, and progress.
 
 Nothing that is printed is read as rich markup or emoji: a path may contain `[/red]` or `:smile:`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Files that are whole at any moment: written beside their place, then renamed into it.
 
 A crash leaves the file that was there before, or the new one, and at most a file `.part-NAME` beside it, which the next

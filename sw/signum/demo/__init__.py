@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum demo`: one simulated flight that shows the filter, flow, tracks, a mosaic and station keeping."""

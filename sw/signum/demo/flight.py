@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the demonstration flies, and what it keeps for the report."""
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from signum.measure.flow import FlowField
 from signum.measure.track import TrackPoint
 
 CAMERA_SIZE, CAMERA_FOCAL = (256, 192), 280.0
-"""Of the demonstration's camera, pixels."""
+"""Picture size and focal length of the demonstration's camera, pixels."""
 FLIGHT_HEIGHT_M = 2.0
 """Height over the floor, metres."""
 DT = 0.2

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demonstration: a simulated flight over gravel through a board, and the report of it.
 
 1. the stages of the filter, and the signs that remain in turbid water;        figures 3 and 8
@@ -58,7 +59,7 @@ SENSOR = Water(noise=2.0)
 DRIFT_M_S = 0.1, -0.06
 """The steady current of the tracking run, north and east, m/s."""
 SURGE_PERIOD = 8.0
-"""Of all currents, seconds."""
+"""Period of the surge of all currents, seconds."""
 HOLD_RATE = 10.0
 """Frames a second for which the station keeper's gains are tuned."""
 

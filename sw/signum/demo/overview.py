@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One picture of a demonstration flight: the camera's frame, its signs, flow, tracks, a held station, the mosaic."""
 
 from __future__ import annotations
@@ -11,11 +12,10 @@ from matplotlib import pyplot as plt
 from signum.applications.hold.record import draw_reading
 from signum.common.arrays import Image
 from signum.demo.flight import DemoFlight
-from signum.measure.flow import draw_flow
-from signum.report.draw import draw_tracks
+from signum.report.draw import draw_flow, draw_tracks
 
 OVERVIEW_HEIGHT = 400
-"""Of the picture, pixels."""
+"""Height of the picture, pixels."""
 PANEL_GAP = 8
 """Between panels, pixels."""
 ENLARGED = 1.3

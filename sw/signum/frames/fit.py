@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How a source's frames are scaled for the board."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A frame, how one is read from a file, and what every source of frames offers."""
 
 from __future__ import annotations

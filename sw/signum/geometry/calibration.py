@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Camera calibration from OpenCV's YAML: the lens of one camera, and the rectification of a stereo pair."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where a camera is, and how it is turned: rotation matrices between world, body and camera.
 
 World: x north, y east, z down, metres. Body: x forward, y right, z down. Camera: x right and y down in the image, z

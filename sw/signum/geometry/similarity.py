@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Similarities of the plane: rotation, scale and translation, and their robust least-squares fit to pairs of points.
 
 Pixels, x to the right and y down, so a positive rotation is clockwise on the screen. Points are float64 (..., 2).

@@ -1,15 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
 """Optical flow: where a grid of windows of one frame lies in the next (the paper's figure 6)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.common.arrays import Floats, Image
-from signum.measure.measurer import Measurer, Query, Rules, View
+from signum.common.arrays import Floats
+from signum.measure.measurer import Measurer, Query, View
+from signum.measure.validity import Rules
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,26 +92,3 @@ def _agreeing(dx: Floats, dy: Floats) -> NDArray[np.int64]:
             if (i, j) != (1, 1):
                 count += np.abs(motion[j:j + height, i:i + width] - here) <= 1.0 + 0.25 * np.abs(here)
     return count
-
-
-def draw_flow(frame: Image, field: FlowField, magnify: float = 2.0) -> Image:
-    """The field as arrows on its first frame, as in the paper's figure 6.
-
-    Args:
-        frame: uint8 (H, W), the first frame.
-        field: the flow; a window without a valid measurement is marked by a small cross.
-        magnify: length of an arrow per displacement.
-
-    Returns:
-        uint8 (H, W, 3) blue, green, red.
-    """
-    out = np.asarray(cv2.cvtColor(np.asarray(frame * 0.6, np.uint8), cv2.COLOR_GRAY2BGR), np.uint8)
-    for j, v in enumerate(field.y):
-        for i, u in enumerate(field.x):
-            start = (round(u), round(v))
-            if field.valid[j, i]:
-                end = (round(u + magnify * field.dx[j, i]), round(v + magnify * field.dy[j, i]))
-                cv2.arrowedLine(out, start, end, (80, 255, 120), 1, cv2.LINE_AA, tipLength=0.3)
-            else:
-                cv2.drawMarker(out, start, (60, 60, 255), cv2.MARKER_TILTED_CROSS, 5)
-    return out

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measurements: where a window of one picture lies in another. The only layer that uses the Board.
 
 A `Measurer` turns frames into `View`s (sign planes kept on the board) and answers `Query`s with `Measurement`s, each
 validated by itself: score of the peak, margin over the runner-up, position of the peak inside the search, texture of
-the window, and a backward search that must return to the start. Applications see views and measurements; slots and jobs
-are hidden in this module, bits and their peaks in `peak`.
+the window, and a backward search that must return to the start (`validity`). Applications see views and measurements;
+slots and jobs are hidden in this module, bits and their peaks in `peak`.
 
 Pixels are those of the frames given to `view`; x to the right, y down.
 """
@@ -11,8 +12,7 @@ Pixels are those of the frames given to `view`; x to the right, y down.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,26 +21,7 @@ from signum.boards.board import Board, BoardError, run_jobs
 from signum.common.arrays import Image
 from signum.measure.peak import Peak, locate_peaks
 from signum.measure.subpixel import PeakFit
-
-
-class Reason(StrEnum):
-    """Why a measurement is not valid; of several, the first in this order."""
-
-    NONE = ""
-    OUTSIDE = "outside"
-    """The window, or everything it was searched for in, lies outside the picture."""
-    SCORE = "score"
-    """The peak is too low."""
-    MARGIN = "margin"
-    """Another place matches nearly as well."""
-    BORDER = "border"
-    """The peak lies at the border of the search: the true one may lie beyond."""
-    TEXTURE = "texture"
-    """The window looks like itself elsewhere: too plain, or a bare edge."""
-    RETURN = "return"
-    """The search from the found place back did not return to the start."""
-    PARTS = "parts"
-    """The window and its inner part moved differently: perspective, relief, or chance."""
+from signum.measure.validity import Reason, Rules, judge_peak
 
 
 @dataclass(frozen=True)
@@ -48,7 +29,9 @@ class Measurement:
     """Displacement of a window from its reference view to another one.
 
     `score` is the matching fraction at the peak (0..1, chance 0.5), `margin` its difference from the best match outside
-    the peak's 3x3 neighbourhood. An invalid measurement has a displacement, too, which is zero where no peak was found.
+    the peak's 3x3 neighbourhood. `above_chance` is by how many standard deviations of a chance score the peak exceeds a
+    chance match: a search that saw nothing but chance reaches 2 to 4, see `golden.correlate.above_chance`; 0 where
+    nothing was searched. An invalid measurement has a displacement, too, which is zero where no peak was found.
     """
 
     dx_px: float
@@ -57,6 +40,7 @@ class Measurement:
     margin: float
     valid: bool
     reason: Reason = Reason.NONE
+    above_chance: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +60,8 @@ class View:
 class Query:
     """Where does the window of `reference` with its centre at (x, y) lie in `live`?
 
-    The window covers columns x - width//2 to x - width//2 + width - 1, and rows likewise. The search range is `reach`
+    The window covers columns x - width//2 to x - width//2 + width - 1, and rows y - height//2 to
+    y - height//2 + height - 1. The search range is `reach`
     (across, down) pixels around the `guess`ed displacement (dx, dy), clipped to the picture.
     """
 
@@ -88,25 +73,6 @@ class Query:
     height: int
     guess: tuple[float, float] = (0.0, 0.0)
     reach: tuple[int, int] = (16, 16)
-
-
-@dataclass(frozen=True)
-class Rules:
-    """What makes a measurement valid. Scores are matching fractions.
-
-    `min_score` alone does not tell right from wrong: on real seabed, wrong peaks score far above chance, and most of
-    them fail the other checks. `max_likeness` bounds how well a window may match itself two pixels or more away, from 0
-    (as white texture under the same filter) to 1 (identical). `max_return_px` is the largest distance between the start
-    and the end of the backward search.
-    """
-
-    min_score: float = 0.62
-    min_margin: float = 0.02
-    max_likeness: float = 0.6
-    max_return_px: float = 1.0
-    backward: bool = True
-    texture: bool = True
-    fit: PeakFit = "auto"
 
 
 class Measurer:
@@ -201,7 +167,9 @@ class Measurer:
         found = self._peaks([job for _, job in jobs], rules.fit)
         passed: list[int] = []
         for (i, _), peak in zip(jobs, found, strict=True):
-            answers[i] = _judged(peak, rules)
+            reason = judge_peak(peak, rules)
+            answers[i] = Measurement(peak.dx, peak.dy, peak.score, peak.margin, reason is Reason.NONE, reason,
+                                     peak.above_chance)
             if answers[i].valid:
                 passed.append(i)
         if rules.texture and passed:
@@ -255,7 +223,7 @@ class Measurer:
         return misses
 
     def _peaks(self, jobs: Sequence[Job], fit: PeakFit) -> list[Peak]:
-        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), fit)
+        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), self.sigma, fit)
 
     def _own_board(self) -> Board:
         """The board, as this measurer configured it."""
@@ -276,18 +244,8 @@ def white_match(distance: float, sigma: float) -> float:
     return float(0.5 + np.arcsin(rho) / np.pi)
 
 
-def _judged(peak: Peak, rules: Rules) -> Measurement:
-    """The measurement, as far as one search can decide it."""
-    if peak.status is not Status.OK:
-        return Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE)
-    checks = ((Reason.SCORE, peak.score >= rules.min_score), (Reason.MARGIN, peak.margin >= rules.min_margin),
-              (Reason.BORDER, peak.inside))
-    reason = next((reason for reason, good in checks if not good), Reason.NONE)
-    return Measurement(peak.dx, peak.dy, peak.score, peak.margin, reason is Reason.NONE, reason)
-
-
 def _refuse(m: Measurement, reason: Reason) -> Measurement:
-    return Measurement(m.dx_px, m.dy_px, m.score, m.margin, False, reason)
+    return replace(m, valid=False, reason=reason)
 
 
 def _search(q: Query) -> Job | None:

@@ -1,4 +1,5 @@
-"""What the board answers to jobs, in pixels and matching fractions."""
+# SPDX-License-Identifier: Apache-2.0
+"""Converts job results to displacements in pixels and scores 0..1."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.correlate import Job, Result, Status
+from golden.correlate import Job, Result, Status, above_chance
 from golden.params import NO_SCORE
 from signum.measure.subpixel import CONE_FROM, PeakFit, line_offset, peak_offsets
 
@@ -22,6 +23,8 @@ class Peak:
         score: matching fraction at the peak, 0..1.
         margin: its difference from the best match outside the peak's 3x3 neighbourhood.
         inside: whether the peak has neighbours on all sides in each dimension that was searched.
+        above_chance: by how many standard deviations of a chance score the peak exceeds a chance match: the best place
+            of a search that saw nothing but chance reaches 2 to 4, see `golden.correlate.above_chance`.
     """
 
     status: Status
@@ -30,10 +33,18 @@ class Peak:
     score: float = 0.0
     margin: float = 0.0
     inside: bool = False
+    above_chance: float = 0.0
 
 
-def locate_peaks(jobs: Sequence[Job], results: Sequence[Result], fit: PeakFit) -> list[Peak]:
-    """The peaks of jobs from their results, in order, refined to sub-pixels."""
+def locate_peaks(jobs: Sequence[Job], results: Sequence[Result], sigma: float, fit: PeakFit = "auto") -> list[Peak]:
+    """The peaks of jobs from their results, in order, refined to sub-pixels.
+
+    Args:
+        jobs: the jobs.
+        results: their results, in the same order.
+        sigma: of the LoG through which the frames were captured, pixels (`Board.sigma`).
+        fit: the surface fitted to the nine scores round a peak: `cone`, `parabola`, or `auto`, which chooses by score.
+    """
     out = []
     whole = [i for i, r in enumerate(results) if r.status is Status.OK and NO_SCORE not in r.neighbours]
     patches = np.array([[*results[i].neighbours[:4], results[i].score, *results[i].neighbours[4:]] for i in whole])
@@ -52,7 +63,8 @@ def locate_peaks(jobs: Sequence[Job], results: Sequence[Result], fit: PeakFit) -
         inside = ((0 < r.best_x < job.offsets_x - 1 or job.offsets_x == 1)
                   and (0 < r.best_y < job.offsets_y - 1 or job.offsets_y == 1))
         out.append(Peak(r.status, job.search_x + r.best_x - job.tpl_x + float(offset[0]),
-                        job.search_y + r.best_y - job.tpl_y + float(offset[1]), score, score - runner_up, inside))
+                        job.search_y + r.best_y - job.tpl_y + float(offset[1]), score, score - runner_up, inside,
+                        above_chance(score, area, sigma)))
     return out
 
 

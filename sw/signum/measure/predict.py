@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How far to search around a predicted displacement: a reach that follows the prediction errors so far."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Registration of two overlapping pictures: rotation, scale and translation, from windows that must agree.
 
 1. Coarse: both pictures are scaled to 160 pixels; a grid of windows, each searched for in the whole other picture,
@@ -25,7 +26,8 @@ import numpy as np
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
-from signum.measure.measurer import Measurer, Query, Reason, Rules, View
+from signum.measure.measurer import Measurer, Query, View
+from signum.measure.validity import Reason, Rules
 
 COARSE_SIDE = 160
 """Longer side of the coarse picture, pixels, unless the shorter one would fall below COARSE_LEAST."""

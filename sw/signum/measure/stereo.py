@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stereo range: disparities of a grid of windows along the rows of a rectified pair (the paper's figure 5).
 
 Each window of the left view is searched for along the same rows of the right view: a one-dimensional job. A disparity
@@ -9,19 +10,16 @@ window covers two depths and may yield either; a window twice as large then yiel
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.common.arrays import Floats, Image
+from signum.common.arrays import Floats
 from signum.frames.fit import Fit
 from signum.geometry.calibration import StereoGeometry
-from signum.measure.measurer import Measurement, Measurer, Query, Rules, View
+from signum.measure.measurer import Measurement, Measurer, Query, View
+from signum.measure.validity import Rules
 
-SCALE_WIDTH = 64
-"""Width of the colour scale beside a drawn map, pixels."""
 STEREO_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=0.6)
 """Stricter than `Rules`: both views are of one moment, so they match better than two frames of a dive."""
 
@@ -106,51 +104,3 @@ def measure_range(
 
 def _disparities(found: list[Measurement]) -> Floats:
     return np.array([-m.dx_px if m.valid else np.nan for m in found])
-
-
-def write_ply(path: Path, points: Floats) -> None:
-    """Write points (n, 3) in metres as an ASCII PLY file."""
-    header = (f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
-              "property float x\nproperty float y\nproperty float z\nend_header\n")
-    path.write_text(header + "".join(f"{x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in points))
-
-
-def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Image) -> Image:
-    """The map in colour over the left picture, with its scale: metres with a geometry, pixels of disparity without.
-
-    Args:
-        found: the map.
-        geometry: of the pair, or None.
-        picture: uint8 (H, W), the left view.
-
-    Returns:
-        uint8 (H, W + SCALE_WIDTH, 3) blue, green, red; without colour where no measurement is valid.
-    """
-    values = found.disparity if geometry is None else geometry.depth(found.disparity)
-    out = np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR), np.uint8)
-    seen = values[np.isfinite(values)]
-    low, high = (float(v) for v in np.percentile(seen, (1, 99))) if seen.size else (0.0, 1.0)
-    high = max(high, low + 1e-3)
-    near_is_red = 1.0 if geometry is None else -1.0
-    step_x, step_y = (int(a[1] - a[0]) if a.size > 1 else 16 for a in (found.x, found.y))
-    for j, v in enumerate(found.y.astype(int)):
-        for i, u in enumerate(found.x.astype(int)):
-            if np.isfinite(values[j, i]):
-                cell = out[max(v - step_y // 2, 0):v + (step_y + 1) // 2, max(u - step_x // 2, 0):u + (step_x + 1) // 2]
-                cell[:] = np.asarray(0.35 * cell + 0.65 * _colour((values[j, i] - low) / (high - low), near_is_red))
-    height = picture.shape[0]
-    scale = np.full((height, SCALE_WIDTH, 3), 255, np.uint8)
-    for y in range(8, height - 8):
-        scale[y, 8:22] = _colour(1 - (y - 8) / (height - 16), near_is_red)
-    for share in (0.0, 0.5, 1.0):
-        y = round(height - 8 - share * (height - 16))
-        cv2.putText(scale, f"{low + share * (high - low):.3g}", (25, min(max(y + 4, 12), height - 4)),
-                    cv2.FONT_HERSHEY_SIMPLEX, 0.38, (0, 0, 0), 1, cv2.LINE_AA)
-    return np.hstack([out, scale])
-
-
-def _colour(share: float, sign: float) -> Image:
-    """Blue (0) to red (1), or the other way round for a negative sign; uint8 (3,)."""
-    share = min(max(share, 0.0), 1.0)
-    level = np.array([[round(255 * (share if sign > 0 else 1 - share))]], np.uint8)
-    return np.asarray(cv2.applyColorMap(level, cv2.COLORMAP_TURBO)[0, 0], np.uint8)

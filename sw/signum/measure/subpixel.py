@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sub-pixel position of a correlation peak from its 3x3 scores.
 
 The peak of two clean sign planes is a cone (the score falls linearly with distance), which is elliptic where the

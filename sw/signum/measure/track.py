@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Feature tracking against the initial image.
 
 A feature is a window of the picture in which it was chosen. In every further frame it is measured from the frame
@@ -25,8 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.arrays import Floats, Image
-from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, View, white_match
+from signum.measure.measurer import Measurement, Measurer, Query, View, white_match
 from signum.measure.predict import SearchPredictor
+from signum.measure.validity import Reason, Rules
 
 PRECISE_PX = 1.8
 """Error allowed in original pixels: 2 px, less the error of the reference that tracks are compared with."""

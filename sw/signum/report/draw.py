@@ -1,4 +1,5 @@
-"""Pictures that several pages and commands show: the stages of the filter, tracked features, a line of text."""
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures that several pages and commands show: the stages of the filter, flow, tracked features, a line of text."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from golden import log
 from signum.common.arrays import Image
+from signum.measure.flow import FlowField
 from signum.measure.track import TrackPoint
 
 GAP = 6
@@ -78,3 +80,26 @@ def draw_tracks(image: Image, points: Sequence[TrackPoint], window: int) -> Imag
         else:
             cv2.drawMarker(canvas, at, RED, cv2.MARKER_TILTED_CROSS, 7, 1, cv2.LINE_AA)
     return canvas
+
+
+def draw_flow(frame: Image, field: FlowField, magnify: float = 2.0) -> Image:
+    """The field as arrows on its first frame, as in the paper's figure 6.
+
+    Args:
+        frame: uint8 (H, W), the first frame.
+        field: the flow; a window without a valid measurement is marked by a small cross.
+        magnify: length of an arrow per displacement.
+
+    Returns:
+        uint8 (H, W, 3) blue, green, red.
+    """
+    out = np.asarray(cv2.cvtColor(np.asarray(frame * 0.6, np.uint8), cv2.COLOR_GRAY2BGR), np.uint8)
+    for j, v in enumerate(field.y):
+        for i, u in enumerate(field.x):
+            start = (round(u), round(v))
+            if field.valid[j, i]:
+                end = (round(u + magnify * field.dx[j, i]), round(v + magnify * field.dy[j, i]))
+                cv2.arrowedLine(out, start, end, (80, 255, 120), 1, cv2.LINE_AA, tipLength=0.3)
+            else:
+                cv2.drawMarker(out, start, (60, 60, 255), cv2.MARKER_TILTED_CROSS, 5)
+    return out

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`report.html` made from the tables and pictures in a command's folder, at its end or any time later.
 
 Each module of `kinds` reports one kind of table, with a function `sections(folder)`; `KINDS` gives the table. A folder

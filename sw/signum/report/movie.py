@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """MP4 files written frame by frame, complete once they are closed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Self-contained pages: one HTML file with its pictures, plots and tables inside."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures from a folder for a page."""
 
 from __future__ import annotations
@@ -8,7 +9,9 @@ import cv2
 import numpy as np
 
 from signum.common.arrays import Image
-from signum.report.page import figure
+from signum.common.errors import SourceError
+from signum.frames.frame import read_any_picture
+from signum.report.page import figure, paragraph
 
 WIDEST = 1400
 """Largest width of a picture on a page, pixels."""
@@ -17,12 +20,14 @@ MOST_PICTURES = 6
 
 
 def picture(path: Path, caption: str = "") -> str:
-    """A picture as a figure, scaled down where it is large; empty if it cannot be read."""
-    image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    if image is None:
-        return ""
+    """A picture as a figure, scaled down where it is large; a paragraph that says why, if it cannot be read."""
+    try:
+        image = read_any_picture(path)
+    except SourceError as error:
+        return paragraph(f"Not shown: {error}")
     deep = image.dtype != np.uint8
-    shown: Image = np.asarray(cv2.convertScaleAbs(image, alpha=1 / 256) if deep else image, np.uint8)
+    eight = cv2.convertScaleAbs(np.asarray(image, np.float32), alpha=1 / 256) if deep else image
+    shown: Image = np.asarray(eight, np.uint8)
     scale = WIDEST / shown.shape[1]
     if scale < 1:
         size = (WIDEST, max(1, round(shown.shape[0] * scale)))

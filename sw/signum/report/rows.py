@@ -1,4 +1,5 @@
-"""Rows of the tables, made from measurements; `columns.py` reads tables back."""
+# SPDX-License-Identifier: Apache-2.0
+"""Rows of the tables, made from measurements; `read_table.py` reads tables back."""
 
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`make reproduce`: every figure and table of the paper that this project can have, on one page, judged by its bars.
 
 Each module has a group of figures and a function `make` of the type `Maker`, which `makers.py` lists in the order of
@@ -22,5 +23,5 @@ Progress = Callable[[str, int | None], AbstractContextManager[Callable[[str], No
 Maker = Callable[[OpenBoard, Path, int, bool, Progress], list[Section]]
 """(open_board, folder for further files, seed, quick, progress) -> sections with bars.
 
-`quick` asks for a version of a few seconds, for tests: it shows the same, and its bars are judged on less data.
+`quick` selects a version of a few seconds, for tests: it shows the same, and its bars are judged on less data.
 """

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`python -m signum.reproduce`: the page, section by section; status 1 where a bar is missed or a section failed."""
 
 from __future__ import annotations
@@ -15,10 +16,8 @@ from signum.common.console import notes, out, progress
 from signum.report.page import Section, paragraph, table, write_page
 from signum.reproduce import Maker
 from signum.reproduce.makers import MAKERS
+from signum.tables.schemas import BARS
 from signum.tables.table import Table
-
-BARS = "section", "figure", "measured", "relation", "bound", "met"
-"""Columns of `bars.csv`."""
 
 
 class Page:

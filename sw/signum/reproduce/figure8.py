@@ -1,6 +1,7 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 8 of the paper: the share of signs that survive poor contrast, uneven light and marine snow.
 
-`python -m signum.reproduce.figure8` degrades photographs as the paper says and prints, per picture and sigma, the
+`python -m signum.reproduce.figure8` degrades photographs as the paper does and prints, per picture and sigma, the
 share of pixels whose sign stays the same, over the whole image and over its inner quarter.
 """
 
@@ -112,7 +113,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m signum.reproduce.figure8",
                                      description="Agreement of signs, after the paper's figure 8.")
     parser.add_argument("--board", choices=BOARDS, default="golden")
-    parser.add_argument("--seed", type=int, default=0, help="of the marine snow")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the marine snow")
     options = parser.parse_args(argv)
     with open_board(options.board) as board:
         rows = [row for name, picture in photographs() for row in measure(board, name, picture, seed=options.seed)]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figures 3 and 8: the stages of the filter, and the share of signs that stay the same in bad water."""
 
 from __future__ import annotations

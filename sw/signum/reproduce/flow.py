@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 6: optical flow, and its error on known shifts, clean and under figure 8's degradation."""
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 
 from signum.common.arrays import Floats, Image
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
-from signum.measure.flow import FlowField, draw_flow, measure_flow
+from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer
+from signum.report.draw import draw_flow
 from signum.report.page import Bar, Section, figure, paragraph, row
 from signum.reproduce import OpenBoard, Progress
 from signum.world.camera import Pinhole

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Object following (figure 9's task): a fish in midwater by range, and over terrain by motion; lost and found again."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How the error at a survey's far corner grows with its size: chains of offsets as in the paper, and least squares.
 
     (a) sequential: the offsets along the way flown, m (m - 1) to m^2 - 1 of them between opposite corners;
@@ -25,7 +26,7 @@ from signum.measure.register import Registrar
 
 METHODS = "a", "b", "c"
 GRID_REACH = 28
-"""Pixels of the board searched around the planned offset: the wobble's few, and some."""
+"""Search range around the planned offset, pixels of the board: several times the wobble."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class MeasuredGrid:
 
 
 def cell_name(cell: Cell) -> str:
-    """Of the frame in a cell."""
+    """Name of the frame in a cell."""
     return f"{cell[0]},{cell[1]}"
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Station keeping (equations 2 to 7): ten minutes in a current with surge, a blocked view, a push out of view."""
 
 from __future__ import annotations
@@ -6,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from signum.applications.hold.body_pid import Axes
 from signum.applications.hold.judge import judge_hold_rows
-from signum.applications.hold.loops import Axes
 from signum.applications.hold.page import hold_bars, hold_section
 from signum.applications.hold.record import HoldRecord
 from signum.applications.hold.simulate import Scenario, simulate_hold
@@ -49,7 +50,7 @@ def make(open_board: OpenBoard, out: Path, seed: int, quick: bool, progress: Pro
              "blocked for 3 s"
              + (f"; from {scenario.shoved[0]:g} s the vehicle is pushed with 36 N for 3 s, until its station is "
                 "nearly or wholly out of sight" if scenario.shoved else "")
-             + ". Position, heading and range are judged outside those 13 s each, wrong readings everywhere.")
+             + ". Position, heading and range are judged outside the 13 s that begin with each, wrong readings always.")
     return [hold_section("Station keeping", about, record.series, record.shots, bars), _tuning()]
 
 

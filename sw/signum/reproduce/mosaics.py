@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figures 14 to 17: single-column mosaics, manual and automatic, and a survey flown back and forth."""
 
 from __future__ import annotations
@@ -115,7 +116,7 @@ def _columns(board: Board, out: Path, seed: int, quick: bool, progress: Progress
             "No columns are given. A chain along the way flown (figure 16) lets neighbouring columns drift apart; as "
             "few edges as there are (figure 17) keeps them together; least squares over all of them comes last. Errors "
             "are those of the frames' centres after the best similarity.")
-    bars = (Bar("frames in one piece, share", len(piece.stored) / len(flown.frames), ">=", 1.0),
+    bars = (Bar("frames in one component, share", len(piece.stored) / len(flown.frames), ">=", 1.0),
             Bar("all links, absolute error, RMS px", worst["all links"], "<=", 3.0),
             Bar("all links over sequence only, absolute error", worst["all links"] / worst["sequence only"], "<=", 1.0))
     return Section("Columns flown back and forth (figures 16 and 17)", paragraph(text) + row(

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Mosaic navigation: kidnapped starts, frames of other floors, and "look at that", on a simulated pan/tilt."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 13's argument measured: offsets over relief through perspective and through parallel rays.
 
 The same ground is seen, with the same pixels on it, from several heights, each with the lens that fits; the higher,
@@ -34,12 +35,12 @@ REACH = 40
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """What came of one projection.
+    """The measurements under one projection.
 
     Attributes:
         label: the projection in words.
         angle_deg: of view, across; 0 for parallel rays.
-        accepted: share of the pairs that were.
+        accepted: share of the pairs whose registration was accepted.
         agreed: share of the windows that agree, mean over pairs.
         spread_px: root-mean-square distance of agreeing windows from the similarity, mean over pairs.
         error_px: (n,) distance between measured and true offset of the accepted pairs.
@@ -58,7 +59,7 @@ class Projection:
 
     @property
     def rms_px(self) -> float:
-        """Of the errors."""
+        """Root mean square of the errors, pixels; NaN without an accepted pair."""
         return float(np.sqrt(np.mean(self.error_px**2))) if len(self.error_px) else float("nan")
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Real surveys with references beside them: SIFT pairs, georeferenced centres (see `../shared/data/README.md`)."""
 
 from __future__ import annotations

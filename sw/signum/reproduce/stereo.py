@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 5: stereo range on simulated floors, and on scikit-image's motorcycle."""
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ from signum.common.arrays import Floats, Image
 from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
-from signum.measure.stereo import RangeMap, draw_range, measure_range
+from signum.measure.stereo import RangeMap, measure_range
 from signum.report.page import Bar, Section, figure, paragraph, row, table
+from signum.report.ranges import draw_range
 from signum.reproduce import OpenBoard, Progress
 from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.seafloor import Seafloor

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Surveys of many columns: how the error grows, perspective against parallel rays, real surveys against references."""
 
 from __future__ import annotations
@@ -77,10 +78,10 @@ def _growth(board: Board, seed: int, quick: bool, progress: Progress) -> Section
         f"({measured_edges} edges between neighbours, {refused} refused); no error model is put in. Every edge is off "
         f"by {errors[:, 0].std():.2f}, {errors[:, 1].std():.2f} px (standard deviations of x, y; means "
         f"{errors[:, 0].mean():.2f}, {errors[:, 1].mean():.2f}). The vehicle's heading wobbles by {plan.yaw_deg:g} "
-        f"degree and its height by {plan.zoom:.0%}, which chains of offsets do not know. An m x m survey is the m x m "
-        f"frames in a corner of the {plan.rows}x{plan.columns} ones, four to a seed, so the points of a curve share "
-        "edges. The paper has the variance grow with the number of edges between the corners: m(m-1) to m^2-1 for "
-        "(a), 2(m-1) for (b).")
+        f"degree and its height by {plan.zoom:.0%}, which chains of offsets cannot represent. An m x m survey is the "
+        f"m x m frames in a corner of the {plan.rows}x{plan.columns} ones, four to a seed, so the points of a curve "
+        "share edges. In the paper the variance grows with the number of edges between the corners: m(m-1) to m^2-1 "
+        "for (a), 2(m-1) for (b).")
     bars = [Bar("(c) over (b), RMS at the far corner, worst m", float(np.max(np.sqrt(variance["c"] / variance["b"]))),
                 "<=", 1.0)]
     if not quick:
@@ -173,7 +174,7 @@ def _real(board: Board, out: Path, quick: bool, progress: Progress) -> list[Sect
         less = min(1.0, 900 / max(picture.shape[:2]))
         shown.append(figure(np.asarray(cv2.resize(picture, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
                                        np.uint8), run))
-    heads = ("survey", "frames in one piece", "edges", "SIFT residual: mean, px", "median, px", "georef RMS, cm")
+    heads = ("survey", "frames in one component", "edges", "SIFT residual: mean, px", "median, px", "georef RMS, cm")
     text = ("No columns are given: the frames are taken in order, edges to all neighbours are measured, and all are "
             "placed by least squares. Residuals are means over the quarter points of each pair's frame.")
     return [Section("Real surveys", paragraph(text) + row(shown) + table(heads, lines), tuple(bars))]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 7: features tracked against their initial image, and their remaining drift."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Frames from ROS 1 bags, ROS 2 bags and MCAP files: image and compressed image topics."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The checksums of an MCAP file beside those of its chunks, which its reader verifies (mcap.dev/spec).
 
 A checksum of 0 means that the file carries none.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Frames from pictures, videos, a camera or an array in memory, with the lens distortion taken out if need be."""
 
 from __future__ import annotations

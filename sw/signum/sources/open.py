@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Opens the source a user names: pictures, a video, a ROS bag, a camera, an array file or the simulated world."""
 
 from __future__ import annotations
@@ -6,7 +7,7 @@ import re
 from pathlib import Path
 
 from signum.common.checks import check_file
-from signum.common.errors import SourceError
+from signum.common.errors import SourceError, lacking
 from signum.frames.frame import Source
 from signum.sources.files import (
     PICTURES,
@@ -44,7 +45,10 @@ def open_source(text: str | Path, calibration: Path | None = None) -> Source:
 def _open(text: str | Path) -> Source:
     file, _, topic = str(text).partition("#")
     if _is_bag(Path(file)):
-        from signum.sources.bags import BagSource  # loads slowly
+        try:
+            from signum.sources.bags import BagSource  # loads slowly
+        except ModuleNotFoundError as error:
+            raise lacking("ros", error) from error
 
         return BagSource(Path(file), topic or None)
     if WORLD.match(str(text)) and not Path(text).exists():

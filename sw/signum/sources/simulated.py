@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated world as a source: a survey flown back and forth over a seafloor, seen by a camera looking down."""
 
 from __future__ import annotations

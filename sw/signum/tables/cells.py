@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Cells of CSV tables: text that a spreadsheet would run as a formula is neutralised on writing and restored on
 reading.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reads CSV tables that others wrote: navigation logs, truths, named places."""
 
 from __future__ import annotations

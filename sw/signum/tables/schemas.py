@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The columns of every table, and what they mean.
 
-`frame` is the frame's name as its source gives it. A column that ends in _px is in original pixels, in _m in metres, in
-_deg in degrees, in _s in seconds. A score is a matching fraction (0..1, chance 0.5), a margin its difference from the
-second-best match. Flags are 0 or 1.
+`frame` is the frame's name as its source gives it. A column that ends in _px is in original pixels unless its table
+states otherwise, in _m in metres, in _deg in degrees, in _s in seconds. A score is a matching fraction (0..1, chance
+0.5), a margin its difference from the second-best match. Flags are 0 or 1.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ DISPARITY = "frame", "x_px", "y_px", "disparity_px", "range_m", "score", "margin
 """`disparity.csv`: disparity and range at (x, y) of the rectified left frame; empty where not valid or not known."""
 HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
 """`hold.csv`: x ahead and y to the right of the station, rotation clockwise seen from above, zoom and range of the
-paper's equations 6 and 7, empty where confidence is 0; windows that agree, and that were tried."""
+paper's equations 6 and 7, empty where confidence is 0; confidence, 0..100, the share of the windows that agree in
+percent, less where their median score is below 0.75; windows that agree, and that were tried."""
 HOLD_TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
 """`hold.csv` of a simulated hold: the truth, after the columns of HOLD."""
 FOLLOW = "frame", "time_s", "state", "x_px", "y_px", "width_px", "height_px", "windows", "range_m"

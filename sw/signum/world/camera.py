@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pinhole cameras and their pictures of the seafloor."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Murky water as the paper's figure 8 makes it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fish: textured bodies that swim, turn and stop."""
 
 from __future__ import annotations

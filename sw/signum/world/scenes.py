@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Scenes rendered without control: a survey flown back and forth, a drifting vehicle; frames with their truth."""
 
 from __future__ import annotations

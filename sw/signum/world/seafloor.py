@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A seafloor with relief, covered with texture quilted from a real photograph."""
 
 from __future__ import annotations

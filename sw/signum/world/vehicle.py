@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A six-degree-of-freedom vehicle: drag, thrusters with lag and limits, righting moment, a current with surge; its
 pan/tilt."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Water, lamp and sensor in a picture: attenuation, backscatter, light cone, fall-off, marine snow, noise.
 
 A point of albedo J at range R, lit by a lamp beside the camera, has the grey level

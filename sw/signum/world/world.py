@@ -1,4 +1,5 @@
-"""The world as a whole, and the pictures of a camera in it."""
+# SPDX-License-Identifier: Apache-2.0
+"""Renders the finished picture of a camera in the world: seafloor, fish, water, snow and sensor noise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What an application measures with runs on real frames: only its simulation knows the simulated world."""
+# SPDX-License-Identifier: Apache-2.0
+"""Modules that an application measures with run on real frames: only its simulation imports the simulated world."""
 
 from __future__ import annotations
 

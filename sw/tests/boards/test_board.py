@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The Board interface on the golden board: calls, refused calls, counters."""
 
 from dataclasses import replace
@@ -124,3 +125,42 @@ def test_the_size_does_not_change_under_outstanding_results(board: GoldenBoard) 
 
 def test_identification_is_that_of_the_build(board: GoldenBoard) -> None:
     assert board.identification == Identification("golden", "tiny", REGISTER_VERSION, 2, TINY.slots, (48, 36), 16)
+
+
+def test_a_slot_of_outstanding_jobs_is_not_captured_into(board: GoldenBoard) -> None:
+    """A slot is free when the last result of a job that names it is collected; grids and refused jobs count."""
+    frame = np.zeros((36, 48), np.uint8)
+    plane = board.read_plane(1)
+
+    def held() -> list[int]:
+        """Slots the board does not capture into."""
+        found = []
+        for slot in range(TINY.slots):
+            try:
+                board.capture(slot, frame)
+            except BoardError as error:
+                assert str(error) == (f"slot {slot} is named by jobs whose results are not collected: "
+                                      "collect them first")
+                found.append(slot)
+        return found
+
+    board.submit([JOB, replace(JOB, search_slot=0)])
+    board.submit_grid(replace(JOB, tpl_slot=1, tpl_x=4, search_x=0), (3, 2), (6, 4))
+    board.submit([replace(JOB, tpl_slot=3, search_slot=7), replace(JOB, tpl_slot=2, search_slot=2, width=17)])
+    assert board.outstanding == 10
+    assert held() == [0, 1, 2, 3]
+    assert np.array_equal(board.read_plane(1), plane)
+    with pytest.raises(BoardError, match="slot 1 is named by jobs"):
+        board.capture_pair((4, 1), (frame, frame))
+    board.collect(2)
+    assert held() == [1, 2, 3]
+    board.collect(5)
+    assert held() == [1, 2, 3]
+    board.collect(1)
+    assert held() == [2, 3]
+    assert board.collect(1)[0].status is Status.BAD_SLOT
+    assert held() == [2]
+    assert board.collect(1)[0].status is Status.BAD_WINDOW
+    assert held() == [] and board.outstanding == 0
+    board.surface(JOB)
+    assert held() == []

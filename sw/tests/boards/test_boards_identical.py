@@ -1,7 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
 """Golden and Verilated board: the same bits for the same calls, from planes to tracks."""
 
+import random
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 
 import cv2
@@ -9,8 +13,8 @@ import numpy as np
 import pytest
 import skimage.data
 
-from golden import correlate
-from golden.correlate import Job
+from golden import correlate, log
+from golden.correlate import Job, Result, Status
 from golden.params import FULL, TINY, Config
 from signum.boards.board import Board, BoardError, run_jobs
 from signum.boards.golden import GoldenBoard
@@ -22,6 +26,7 @@ from signum.measure.track import Tracker, TrackPoint, TrackSettings
 from signum.reproduce import figure8
 from signum.reproduce.reference import SHARED
 from signum.sources.open import open_source
+from sim.board.device import Device, DeviceError, DeviceTimeout
 
 Pair = tuple[GoldenBoard, VerilatedBoard]
 
@@ -72,7 +77,7 @@ def _prepare(board: Board, size: tuple[int, int], sigma: float, frames: list[Ima
 
 
 def test_identification(boards: Pair) -> None:
-    """What the registers hold is what the configuration says."""
+    """The registers hold the values of the configuration."""
     golden, verilated = (board.identification for board in boards)
     assert golden.board == "golden" and verilated == replace(golden, board="verilated")
 
@@ -129,6 +134,96 @@ def test_errors_are_the_same(boards: Pair) -> None:
             run_jobs(board, [Job(0, 0, 0, 8, 8, 1, 0, 0, 3, 3)])
         messages.append([str(e.value) for e in (refused, missing, stale)])
     assert messages[0] == messages[1]
+
+
+@pytest.mark.parametrize("others", [0, 20, 120])
+def test_captures_between_jobs(others: int) -> None:
+    """A capture into a slot of outstanding jobs is refused with the same words, however many jobs are before them; the
+    results and the slot stay as they were, and other slots are captured meanwhile."""
+    frames = _frames((48, 36), 5)
+    seen = []
+    with GoldenBoard(TINY) as golden, VerilatedBoard(TINY) as verilated:
+        for board in (golden, verilated):
+            _prepare(board, (48, 36), 1.5, frames)
+            board.submit([Job(0, 4, 4, 16, 16, 2, 0, 0, 33, 21, n) for n in range(others)]
+                         + [Job(0, 4, 4, 16, 16, 1, 0, 0, 20, 15, 1000 + n) for n in range(5)])
+            messages = []
+            for call in (partial(board.capture, 1, frames[3]),
+                         partial(board.capture_pair, (3, 1), (frames[3], frames[4]))):
+                with pytest.raises(BoardError) as refused:
+                    call()
+                messages.append(str(refused.value))
+            board.capture_pair((3, 4), (frames[3], frames[4]))
+            results = board.collect(others + 5)
+            planes = [board.read_plane(slot).tobytes() for slot in range(5)]
+            board.capture(1, frames[3])
+            results += run_jobs(board, [Job(0, 4, 4, 16, 16, 1, 0, 0, 20, 15)])
+            seen.append((messages, results, planes))
+    assert seen[0] == seen[1]
+
+
+def test_a_failed_capture_leaves_no_request() -> None:
+    """A capture that times out, as its slot stays in use, is withdrawn: the next frame does not go to that slot."""
+    frames = _frames((48, 36), 3)
+    job = Job(0, 4, 4, 16, 16, 1, 0, 0, 33, 21)
+    with Device(TINY) as device:
+        device.set_filter(*log.kernels(1.5, TINY.radius), (48, 36))
+        device.capture({0: 0}, {0: frames[0]})
+        device.capture({0: 1}, {0: frames[1]})
+        plane = device.plane(1)
+        device.submit([job] * 400)  # the driver alone does not refuse this
+        with pytest.raises(DeviceError):
+            device.capture({0: 1}, {0: frames[2]})
+        assert not device.read("slot_status.armed")
+        device.play(frames[2])
+        device.finish_playing()
+        device.collect(device.outstanding)
+        device.tick(1000)
+        assert not device.read("slot_status.writing") and np.array_equal(device.plane(1), plane)
+        device.capture({0: 1}, {0: frames[2]})
+        assert np.array_equal(device.plane(1), log.sign(frames[2], 1.5, TINY.radius))
+
+
+def test_captures_race_searches() -> None:
+    """Jobs on a slot into which a frame is just captured, at every moment: each result is of the frame before, of the
+    new one, or refused, never of a mixture."""
+    rng = random.Random(1)
+    source = np.random.default_rng(1)
+    size = (48, 36)
+    seen: Counter[str] = Counter()
+    with Device(TINY) as device:
+        device.set_filter(*log.kernels(1.5, TINY.radius), size)
+        frame: Image = source.integers(0, 256, size[::-1], dtype=np.uint8)
+        device.capture({0: 0, 1: 1}, {0: frame, 1: frame})
+        planes = dict.fromkeys((0, 1), log.sign(frame, 1.5, TINY.radius))
+        for _ in range(300):
+            frame = source.integers(0, 256, size[::-1], dtype=np.uint8)
+            new = {**planes, 1: log.sign(frame, 1.5, TINY.radius)}
+            slots = rng.choice(((0, 1), (1, 0), (1, 1)))
+            job = Job(slots[0], rng.randint(0, 30), rng.randint(0, 18), *rng.choice(((2, 2), (16, 16), (7, 16))),
+                      slots[1], 0, 0, rng.choice((1, 20, 32)), rng.choice((1, 15, 20)))
+            device.arm(1)
+            device.play(frame)
+            # The frame's first row leaves the filter about 470 clocks after its first pixel.
+            device.tick(rng.choice((rng.randint(380, 560), rng.randint(0, 2600))))
+            device.submit([job] * rng.randint(1, 3))
+            whole = [correlate.run(job, p, TINY, size) for p in (planes, new)]
+            for result in device.collect(device.outstanding):
+                kind = ("old" if result == whole[0] else "new" if result == whole[1] else
+                        "refused" if result == Result(0, Status.BAD_SLOT) else "mixed")
+                seen[kind] += 1
+            device.finish_playing()
+            if 1 & device.read("slot_status.armed"):
+                try:
+                    device.wait_captured(0)
+                except DeviceTimeout:  # the capture gave way to a job: its request waits for another frame
+                    seen["gave way"] += 1
+                    device.play(frame)
+                    device.finish_playing()
+                    device.wait_captured(0)
+            assert np.array_equal(device.plane(1), new[1])
+            planes = new
+    assert not seen["mixed"] and min(seen[kind] for kind in ("old", "new", "refused", "gave way")) >= 20, seen
 
 
 def test_figure8() -> None:

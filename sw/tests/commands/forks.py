@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs commands in forked processes that end at a chosen moment; a program of its own, which reads requests as JSON.
 
 A request is {"arguments": [...], "moment": n or null, "act": what, "limit": bytes or null}. At the n-th function call
@@ -41,15 +42,15 @@ def main() -> None:
 
 def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
     with tempfile.TemporaryFile() as calls:
-        reader, writer = os.pipe()  # not a file, whose size would be limited too
         began = time.monotonic()
+        reading, writing = os.pipe()  # not a file, whose size would be limited too
         child = os.fork()
         if not child:
-            os.dup2(writer, 1)
-            os.dup2(writer, 2)
+            os.dup2(writing, 1)
+            os.dup2(writing, 2)
+            os.close(writing)
+            os.close(reading)
             os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-            os.close(writer)
-            os.close(reader)
             status = 70
             try:
                 status = _run(app, request, calls)
@@ -59,13 +60,14 @@ def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
                 sys.stdout.flush()
                 sys.stderr.flush()
                 os._exit(status)
-        os.close(writer)
-        with open(reader, "rb") as pipe:
+        os.close(writing)
+        with os.fdopen(reading, "rb") as pipe:
             said = pipe.read().decode(errors="replace")
         _, status = os.waitpid(child, 0)
+        seconds = time.monotonic() - began
         calls.seek(0)
-        return {"status": os.waitstatus_to_exitcode(status), "said": said, "calls": json.loads(calls.read() or b"[]"),
-                "seconds": time.monotonic() - began}
+        return {"status": os.waitstatus_to_exitcode(status), "said": said,
+                "calls": json.loads(calls.read() or b"[]"), "seconds": seconds}
 
 
 def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
@@ -91,7 +93,7 @@ def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
             marks.append(count)
             next_mark += EVERY_S
 
-    if moment is not None or act is None and request.get("limit") is None:
+    if moment is not None or (act is None and request.get("limit") is None):
         sys.setprofile(tick)
     try:
         app(arguments, standalone_mode=True)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command line: what is written and printed, and what remains after an error or an interrupt."""
 
 import csv

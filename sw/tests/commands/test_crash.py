@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Commands that are killed, find the disk full, their folder gone or read-only: the same call then ends with the bytes
 of an uninterrupted run.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is in an output folder stays, unless the same command made it and can make it again."""
 
 import json

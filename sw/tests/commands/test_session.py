@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The session around every command, and options in groups."""
 
 from __future__ import annotations

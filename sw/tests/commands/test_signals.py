@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A command is stopped by SIGINT, SIGTERM and SIGHUP alike, within two seconds, and at once by a second signal."""
 
 import signal
@@ -49,7 +50,7 @@ def test_a_stop_that_takes_long_is_cut_off() -> None:
     process = _start("time.sleep(60)", after="time.sleep(60)")
     process.terminate()
     began = time.monotonic()
-    out, error = process.communicate(timeout=WAIT_S)
+    _, error = process.communicate(timeout=WAIT_S)
     assert time.monotonic() - began >= 1 and process.returncode == 130
     assert error == "\nsignum: stopped; what was finished is kept\n"
 

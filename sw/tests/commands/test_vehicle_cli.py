@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`signum hold`, `follow` and `simulate` on the command line; the closed loops are identical on both boards."""
 
 from __future__ import annotations

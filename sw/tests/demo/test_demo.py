@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demonstration: what it writes, and its figures against the truth."""
 
 from __future__ import annotations

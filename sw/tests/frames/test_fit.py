@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How frames are scaled for the board."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures as they are read from files."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`make fuzz MINUTES=10`: a campaign with a new seed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A campaign: cases drawn by seed, run two at a time, judged, and each failure reduced to a minimal reproduction."""
 
 from __future__ import annotations
@@ -186,7 +187,7 @@ class Campaign:
         file = sorted((case.folder / "in").glob("*.png"))[int(rng.integers(4))]
         case.about = f"{file.name} is called {name!r}"
         try:
-            file.rename(file.with_name(f"{name}.png"))
+            file.rename(file.with_name(f"{name.replace('/', '')}.png"))
         except OSError:
             case.about += ", which the file system refuses"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs a command in a forked child with limits of time and memory."""
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-WALL_S, PROCESSOR_S = 90, 30
+WALL_S, PROCESSOR_S = 240, 30
 """Longest time of a case, seconds, by the clock and of the processor: beyond them it hangs."""
 MEMORY = 4 << 30
 """Address space that a case may take beside what the parent has, bytes."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The undamaged inputs: a small folder of each kind, and the command that reads it."""
 
 from __future__ import annotations

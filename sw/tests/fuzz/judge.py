@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What came of a case: its outcome, by exit status, what was said, and the tables against those of the undamaged
 input."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Seeded damage: edits of a file's bytes, other things in a file's place, names, and values of options."""
 
 from __future__ import annotations

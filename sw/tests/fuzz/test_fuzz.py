@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A short campaign with a fixed seed: no command ends in a traceback, hangs, dies by a signal or is silently wrong."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Rectification of a stereo pair: ranges measured through it lie on the floor they are of."""
 
 from pathlib import Path

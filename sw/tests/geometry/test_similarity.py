@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Similarities, the vote and the robust fit."""
 
 import numpy as np
@@ -37,7 +38,7 @@ def test_vote_finds_the_truth_among_mostly_wrong_pairs(truth: Similarity, seed: 
 
 
 def test_rotation_is_not_made_of_too_little() -> None:
-    """Windows next to each other cannot tell a rotation from noise: only the shift is fitted."""
+    """Windows next to each other do not separate a rotation from noise: only the shift is fitted."""
     rng = np.random.default_rng(2)
     p = rng.uniform(-12, 12, (6, 2))
     q = p + np.array([40.0, 5.0]) + rng.normal(0, 1.0, p.shape)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Optical flow against known shifts, clean and under the paper's degradation."""
 
 from __future__ import annotations
@@ -7,8 +8,9 @@ import numpy as np
 import pytest
 
 from signum.boards.golden import GoldenBoard
-from signum.measure.flow import draw_flow, measure_flow
+from signum.measure.flow import measure_flow
 from signum.measure.measurer import Measurer
+from signum.report.draw import draw_flow
 from signum.world.degrade import degrade
 from signum.world.seafloor import photograph
 

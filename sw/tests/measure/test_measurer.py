@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measurements on the golden board: accuracy, and that each check refuses what it is there for."""
 
 import cv2
@@ -9,7 +10,8 @@ from golden.params import FULL
 from signum.boards.board import BoardError
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
-from signum.measure.measurer import Measurement, Measurer, Query, Reason, Rules, white_match
+from signum.measure.measurer import Measurement, Measurer, Query, white_match
+from signum.measure.validity import Reason, Rules
 from signum.world.degrade import degrade
 
 SIZE = 400, 320
@@ -91,7 +93,7 @@ def test_reasons() -> None:
 
 
 def test_backward_search_must_return() -> None:
-    """What a window finds looks like it, but is something else that stood beside it: the way back ends there."""
+    """A window matches a similar object beside its own place: the backward search ends at that object."""
     rng = np.random.default_rng(3)
     reference, live = (rng.integers(0, 256, SIZE[::-1], dtype=np.uint8) for _ in range(2))
     window = reference[136:184, 126:174].astype(np.float64)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The search range that follows the prediction errors."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Registration against known similarities, and refusal where there is nothing to find."""
 
 from itertools import pairwise

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stereo range against the truth of simulated planes and relief, and of scikit-image's motorcycle pair."""
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from signum.boards.golden import GoldenBoard
 from signum.geometry.calibration import StereoGeometry
 from signum.geometry.camera import LOOK_DOWN, Sight, rotation
 from signum.measure.measurer import Measurer
-from signum.measure.stereo import RangeMap, measure_range, write_ply
+from signum.measure.stereo import RangeMap, measure_range
+from signum.report.ranges import write_ply
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World

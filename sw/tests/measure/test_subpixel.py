@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sub-pixel fits of peaks with a known position."""
 
 from typing import Literal

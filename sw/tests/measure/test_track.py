@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Tracking on real seabed against references made with OpenCV, and its policy on made-up motion."""
 
 from collections.abc import Sequence

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Commands that measure fields, their files, and reports made from those; undistortion and the simulated source."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 8 on the golden board; the Verilated board computes the same bits (test_boards_identical.py)."""
 
 import cv2

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The page: a short version of each section, and the outcome when a section fails or misses its bar."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """ROS 1 and 2 bags and MCAP written by rosbags' own writers, and every error a bag can make."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Sources: order and names of frames, and every error a user can make."""
 
 from pathlib import Path

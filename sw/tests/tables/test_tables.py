@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The table writer, and the columns of every table."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated world against its own geometry: rays, ranges, motion; and its speed."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Segments frames for the follower: by the range of a stereo pair, or by motion against the terrain."""
 
 from __future__ import annotations

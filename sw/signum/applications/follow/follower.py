@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Follows one blob from frame to frame by segmentation, by correlation where that fails, and reports its loss."""
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from enum import StrEnum
 from signum.applications.follow.eyes import Eye
 from signum.applications.follow.segment import Blob, Segmented, one_blob
 from signum.common.arrays import Image
-from signum.measure.measurer import Query, Rules
+from signum.measure.measurer import Query
+from signum.measure.validity import Rules
 
 TEMPLATE_RULES = Rules(min_score=0.66, min_margin=0.04, texture=False)
 """Rules of the search for the fish's template."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A chase as a report: the fish's position in the picture, the follower's state, frames."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Keeps the fish in the middle: a fast pan/tilt follows its direction, the vehicle follows the pan/tilt slowly.
 
 The fish's direction in the vehicle's axes is the pan/tilt's angles plus the target's angles in the picture; an

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes `follow.csv` row by row, and frames with windows and blob drawn in, as a film or for the report."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which windows of a picture are fish: those that are near (range), or that move against the terrain (motion).
 
 Of these one contiguous blob of windows is kept: isolated windows are mostly wrong measurements.
@@ -16,8 +17,8 @@ from scipy.sparse.csgraph import connected_components
 from signum.common.arrays import Floats
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
-from signum.measure.measurer import Rules
 from signum.measure.stereo import RangeMap
+from signum.measure.validity import Rules
 
 Mask = NDArray[np.bool_]
 

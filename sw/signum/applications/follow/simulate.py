@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Following a fish in the simulated world, with the truth beside every target."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Following on recorded or live frames: segmentation and follower of the closed loop, without steering."""
 
 from __future__ import annotations

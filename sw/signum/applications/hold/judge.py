@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figures of a simulated hold, from its readings and the truth."""
 
 from __future__ import annotations

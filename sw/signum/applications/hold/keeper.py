@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Keeps the vehicle on station by the meter's readings, and by a substitute reference or the gyro without them."""
 
 from __future__ import annotations
@@ -6,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from signum.applications.hold.loops import Axes, BodyLoops
+from signum.applications.hold.body_pid import Axes, BodyLoops
 from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Readings as MAVLink `VISION_POSITION_DELTA` (11011), as an ArduSub vehicle takes them: body FRD, 8 to 10 Hz.
 
 The autopilot integrates the deltas; they are measured against a fixed reference, so their sum does not drift. Frames
@@ -7,14 +8,11 @@ between two due messages are skipped: the next message spans them.
 from __future__ import annotations
 
 import math
-import os
 from types import TracebackType
 from typing import Any, Self
 
 from signum.applications.hold.reading import Reading
-from signum.common.errors import SignumError
-
-os.environ.setdefault("MAVLINK20", "1")  # read by pymavlink at import; the message belongs to MAVLink 2
+from signum.common.errors import SignumError, lacking
 
 SYSTEM, COMPONENT = 1, 197  # MAV_COMP_ID_VISUAL_INERTIAL_ODOMETRY
 
@@ -27,16 +25,23 @@ class MavlinkSink:
         rate: largest number of messages a second.
 
     Raises:
-        SignumError: if the address cannot be opened.
+        SignumError: if pymavlink is not installed, or the address cannot be opened.
     """
 
     def __init__(self, address: str, rate: float = 10.0) -> None:
-        from pymavlink import mavutil
+        try:
+            from pymavlink import mavutil
+            from pymavlink.dialects.v20 import ardupilotmega
+        except ModuleNotFoundError as error:
+            raise lacking("mavlink", error) from error
 
         try:
             self._link: Any = mavutil.mavlink_connection(address, source_system=SYSTEM, source_component=COMPONENT)
         except (OSError, ValueError, IndexError) as error:
             raise SignumError(f"--mavlink {address}: {error}; write it as udpout:HOST:PORT") from error
+        # The message belongs to MAVLink 2. Which of the two pymavlink's own messages are is fixed by the environment of
+        # its first import, which may have been the caller's: these are of MAVLink 2 in any case.
+        self._messages = ardupilotmega.MAVLink(self._link, srcSystem=SYSTEM, srcComponent=COMPONENT)
         self._last: tuple[float, Reading] | None = None
         self._period, self._due = 1 / rate, 0.0
         self.sent = 0
@@ -64,7 +69,7 @@ class MavlinkSink:
             c, s = math.cos(old.heading), math.sin(old.heading)
             position = [c * ahead + s * aside, -s * ahead + c * aside, old.range_m - reading.range_m]
             angle = [0.0, 0.0, reading.heading - old.heading]
-        self._link.mav.vision_position_delta_send(round(time * 1e6), round((time - before[0]) * 1e6), angle, position,
+        self._messages.vision_position_delta_send(round(time * 1e6), round((time - before[0]) * 1e6), angle, position,
                                                   float(confidence))
         self.sent += 1
 

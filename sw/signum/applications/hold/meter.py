@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The vehicle's offset from a reference view: the paper's equations 2 to 7 by least squares over many features.
 
 A camera looking down sees ground point G (metres, right + i back, in the reference's frame) at reference pixel p =
@@ -20,7 +21,8 @@ from numpy.typing import NDArray
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
-from signum.measure.measurer import Measurer, Query, Rules, View
+from signum.measure.measurer import Measurer, Query, View
+from signum.measure.validity import Rules
 
 HOLD_RULES = Rules(min_score=0.6, min_margin=0.02, max_return_px=1.5)
 TOLERANCE_PX = 4.0
@@ -143,7 +145,7 @@ class StationMeter:
         return self._tilted(self._last(self._anchors), level)
 
     def middle_at(self, level: Level = UPRIGHT) -> Floats:
-        """Position of the ground point below the station, likewise: pixel (2,) of the frame."""
+        """Position of the ground point below the station, in the same form: pixel (2,) of the frame."""
         return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
 
     def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float) -> Reading:

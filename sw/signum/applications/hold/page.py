@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A hold as a report: plots of position, heading, range and confidence, frames, figures."""
 
 from __future__ import annotations

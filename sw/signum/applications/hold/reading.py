@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the station meter takes in and gives out: how the camera is inclined, and the vehicle's offset."""
 
 from __future__ import annotations

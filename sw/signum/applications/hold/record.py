@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes `hold.csv` row by row, and keeps some frames with the reading drawn in for the report."""
 
 from __future__ import annotations

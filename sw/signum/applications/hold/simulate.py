@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Station keeping in the simulated world, with the truth beside every reading."""
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
 """How the station keeper's PID gains are found: the largest integral gain that keeps the loop's sensitivity bounded.
 
 An axis is an inertia with drag, pushed through a thruster with lag and, in yaw, damped by the autopilot through the
 same thruster. Frames come at a fixed rate and the force is held in between. A current with surge is a load at low
 frequency, which the integral gain rejects; the peak |1/(1+L)| of the sensitivity bounds what the loop adds at higher
-frequencies and how far it is from instability (2: a phase margin of 29 degrees or more, a gain margin of 2). The method
-is that of Åström and Hagglund's MIGO: maximise the integral gain subject to the peaks of |1/(1+L)| and |L/(1+L)|.
+frequencies and how far it is from instability (2: a phase margin of 29 degrees or more, a gain margin of 2 or
+more). The method is that of Åström and Hägglund's MIGO: maximise the integral gain subject to the peaks of |1/(1+L)|
+and |L/(1+L)|.
 """
 
 from __future__ import annotations

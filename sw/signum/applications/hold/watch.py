@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Station keeping's measurements on recorded or live frames; the first frame is the station."""
 
 from __future__ import annotations

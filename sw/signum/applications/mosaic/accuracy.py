@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Absolute and relative error of poses against the truth (APE, RPE), and the truth's table.
 
 Positions are complex numbers x + iy with y down, as pixels have it; east and north become east - i north.
@@ -23,10 +24,13 @@ from signum.tables.reader import read_rows
 FRAME_COLUMNS = "frame", "name", "image", "file", "filename"
 """Names of the column with the frame's name; the first one found is used."""
 EAST_COLUMNS = "x_m", "east_m", "e_centre_m", "easting", "east", "e_m", "x"
+"""Names of the column with metres to the east; the first one found is used."""
 NORTH_COLUMNS = "y_m", "north_m", "n_centre_m", "northing", "north", "n_m", "y"
+"""Names of the column with metres to the north; the first one found is used."""
 PIXEL_COLUMNS = ("x_px", "y_px")
+"""Names of the columns with pixels to the right and down, used where there are no metres."""
 HEADING_COLUMNS = "heading_deg", "heading_deg_of_image_up", "yaw_deg", "heading", "rot_deg"
-"""Names of the columns with the heading; as above, the first name found is used."""
+"""Names of the columns with the heading; the first name found is used."""
 
 FARTHEST = 1e8
 """Largest coordinate of a frame, metres or pixels."""
@@ -138,9 +142,9 @@ def pose_errors(poses: Sequence[Pose], truth: Track, scaled: bool = True) -> Pos
     """
     known = [p for p in poses if p.frame in truth.positions]
     if len(known) < 3:
-        raise SignumError(f"the truth knows {len(known)} of the {len(poses)} placed frames, three are needed: its "
-                          f"frames are called {', '.join(list(truth.positions)[:3])}, ..., those of the mosaic "
-                          f"{', '.join(p.frame for p in poses[:3])}, ...")
+        raise SignumError(f"only {len(known)} of the {len(poses)} placed frames have a true position; at least 3 must: "
+                          f"the truth's frames are called {', '.join(list(truth.positions)[:3])}, ..., those of the "
+                          f"mosaic {', '.join(p.frame for p in poses[:3])}, ...")
     z = np.array([complex(p.x_px, p.y_px) for p in known])
     w = np.array([truth.positions[p.frame] for p in known])
     onto = align(z, w, scaled)

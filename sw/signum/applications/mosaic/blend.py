@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One picture from many: frames warped into the mosaic plane, exposure evened out, seams found, bands blended.
 
 Pictures are read twice or more, so a sequence that loads them when asked for keeps a large survey's frames out of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A single-column mosaic flown in the simulated world: the paper's `make_single_column_mosaic()` in automatic mode.
 
     store an image; then, again and again: find the section at its top centre in the live image, and move the vehicle by
@@ -27,9 +28,9 @@ from signum.world.world import World
 NEAR_M = 0.15
 """Distance from the goal within which the controllers integrate: the thrust for the way there is not the current's."""
 TRAVEL = Gains(30.0, 10.0, 35.0, 30.0, 300.0)
-"""Of surge and sway: second-order loops of some 1.2 rad/s for a hull of 20 kg."""
+"""Gains of surge and sway: second-order loops of some 1.2 rad/s for a hull of 20 kg."""
 HEAVE, YAW = Gains(40.0, 8.0, 50.0, 30.0, 200.0), Gains(5.0, 1.0, 0.5, 4.0, 40.0)
-"""Of depth and heading, which are held tighter."""
+"""Gains of depth and heading, which are held tighter."""
 LEVEL_RAD, COMPASS_RAD, GAUGE_M = 0.001, 0.01, 0.005
 """Standard deviations of the vehicle's own roll and pitch, heading and depth."""
 
@@ -136,7 +137,7 @@ class _Pilot:
         Args:
             error: of the section (right, down), pixels; None where it was not found.
             dt: seconds since the call before.
-            anew: whether the error is that to a new reference, which says nothing of the motion.
+            anew: whether the error is to a new reference, so that its change does not measure the motion.
         """
         surge, sway, heave, yaw = self._loops
         tilt = self._vehicle.attitude[:2] + self._rng.normal(0, LEVEL_RAD, 2)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """An edge of the pose graph, measured between two frames, and its row in `edges.csv`."""
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ LIVE = "live"
 LOOP = "loop"
 """Kind of an edge proposed from the predicted overlap."""
 JOIN = "join"
-"""Kind of an edge between two pieces."""
+"""Kind of an edge between two components."""
 
 
 @dataclass(frozen=True)

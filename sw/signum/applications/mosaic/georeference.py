@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where on earth a mosaic is: scale from the camera's range, place from a navigation log; world files and GeoTIFF.
 
 GeoTIFF 1.1 (OGC 19-008): ModelPixelScale, ModelTiepoint and the GeoKeys that define the numbers. The mosaic is
@@ -76,14 +77,14 @@ def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
     """Scale, rotation and place from a navigation log, without outlying fixes.
 
     Raises:
-        SignumError: if it knows fewer than two of the frames, or is in pixels.
+        SignumError: if it has positions for fewer than two of the frames, or is in pixels.
     """
     known = [p for p in poses if p.frame in log.positions]
     if log.unit != "m":
         raise SignumError("the navigation log gives pixels: it needs metres, columns east_m and north_m")
     if len(known) < 2:
-        raise SignumError(f"the navigation log knows {len(known)} of the placed frames, two are needed: its frames are "
-                          f"called {', '.join(list(log.positions)[:3])}, ..., those of the mosaic "
+        raise SignumError(f"the navigation log has positions for {len(known)} of the placed frames, two are needed: "
+                          f"its frames are called {', '.join(list(log.positions)[:3])}, ..., those of the mosaic "
                           f"{', '.join(p.frame for p in poses[:3])}, ...")
     z = np.array([complex(p.x_px, p.y_px) for p in known])
     w = np.array([log.positions[p.frame] for p in known])

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pose graph: every frame's similarity by robust least squares over all edges at once.
 
 A frame's pose takes its pixels p to the mosaic plane: f p + t, in complex numbers. An edge is a similarity S from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The journal of a survey: every frame taken in and every registration, with all bits, a line each.
 
 A survey is a function of its frames and of the registrations between them, and both are in the journal. To continue

@@ -1,4 +1,5 @@
-"""The state of a survey: its pieces, the edges that hold them together, and where these place every frame."""
+# SPDX-License-Identifier: Apache-2.0
+"""The state of a survey: its components, the edges that hold them together, and where these place every frame."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ from signum.tables.schemas import SURVEY_EDGES
 
 @dataclass
 class Piece:
-    """Connected frames; the plane of a piece is that of its first frame.
+    """A component: connected frames, placed in the plane of the first of them.
 
     Attributes:
         stored: frames in the graph, in order.
@@ -63,7 +64,7 @@ class Piece:
 
 
 class Ledger:
-    """Pieces and edges, with a row in `edges.csv` for every edge noted.
+    """Components and edges, with a row in `edges.csv` for every edge noted.
 
     Args:
         registrar: for frames of this size.
@@ -117,23 +118,23 @@ class Ledger:
 
     @property
     def accepted(self) -> list[Edge]:
-        """Accepted edges between stored frames, of all pieces."""
+        """Accepted edges between stored frames, of all components."""
         return [edge for edge in self.edges if edge.accepted and edge.kind != LIVE]
 
     def edges_of(self, piece: Piece) -> list[Edge]:
-        """Accepted edges between stored frames of a piece."""
+        """Accepted edges between stored frames of a component."""
         return [edge for edge in self.accepted if edge.frame_a in piece.places and edge.frame_b in piece.places]
 
     def ranked(self) -> list[Piece]:
-        """The pieces, that with most frames first."""
+        """The components, that with most frames first."""
         return sorted(self.pieces, key=lambda piece: -len(piece.frames))
 
     def piece_of(self, name: str) -> Piece:
-        """The piece a stored frame belongs to."""
+        """The component a stored frame belongs to."""
         return next(piece for piece in reversed(self.pieces) if name in piece.places)
 
     def poses(self, piece: Piece) -> list[Pose]:
-        """Poses of a piece's frames, in order."""
+        """Poses of a component's frames, in order."""
         return [Pose.of(name, piece.place(name), self.centre) for name in piece.frames]
 
     def register(self, a: str, b: str, guess: Similarity | None = None, reach: int | None = None) -> Registration:
@@ -141,7 +142,7 @@ class Ledger:
         return self.shelf.register(self.registrar, a, b, guess, reach)
 
     def begin(self, name: str) -> Piece:
-        """Begin a piece with a stored frame; its plane is this frame's."""
+        """Begin a component with a stored frame; its plane is this frame's."""
         piece = Piece([name], {name: IDENTITY}, frames=[name])
         self.pieces.append(piece)
         return piece
@@ -161,13 +162,13 @@ class Ledger:
         return edge
 
     def solve(self, piece: Piece) -> None:
-        """Place the frames of a piece by all its edges."""
+        """Place the frames of a component by all its edges."""
         edges = self.edges_of(piece)
         piece.solution = solve_graph(piece.stored[0], edges, self.size, piece.places, self.settings.outvoted)
         piece.places.update(piece.solution.places)
 
     def merge(self, early: Piece, late: Piece) -> None:
-        """Make one piece of two that edges now connect; the frames of the later one come last."""
+        """Make one component of two that edges now connect; the frames of the later one come last."""
         if self.pieces.index(early) > self.pieces.index(late):
             early, late = late, early
         early.stored += late.stored
@@ -175,7 +176,7 @@ class Ledger:
         early.hung |= late.hung
         early.places |= dict.fromkeys(late.stored, IDENTITY)
         start = {name: early.places[name] for name in early.stored if name not in late.places}
-        # The last piece is the one that new frames are added to, and stays last.
+        # The last component is the one that new frames are added to, and stays last.
         position = max(self.pieces.index(early), self.pieces.index(late))
         early.solution = solve_graph(early.stored[0], self.edges_of(early), self.size, start, self.settings.outvoted)
         early.places = dict(early.solution.places)

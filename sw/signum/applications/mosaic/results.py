@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a survey writes for its user: the poses, and the mosaic, as it grows and at the end."""
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ from signum.tables.schemas import POSES
 THUMB = 240
 """Longer side of the copies the growing mosaic is made of, pixels."""
 Grounding = Callable[[list[Pose], tuple[float, float]], Georeference | None]
-"""Finds where on the ground a piece is, from its poses and the frames' centre in pixels."""
+"""Finds where on the ground a component is, from its poses and the frames' centre in pixels."""
 
 
 class Results:
-    """Writes `poses.csv` and `mosaic.png`, and for further pieces `poses-2.csv`, `mosaic-2.png`, ...
+    """Writes `poses.csv` and `mosaic.png`, and for further components `poses-2.csv`, `mosaic-2.png`, ...
 
     Args:
         ledger: the survey's.
@@ -73,7 +74,7 @@ class Results:
         write_picture(self._ledger.shelf.make("mosaic.png"), picture)
 
     def write_all(self) -> None:
-        """Write the poses, and the mosaics of the largest piece and of all others with more than one frame."""
+        """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
         self.trouble = ""
         blended, grounded = set(), set()
@@ -112,5 +113,5 @@ class Results:
 
 
 def suffix(number: int) -> str:
-    """Ending of the file names of a piece: none for the first, "-2" for the second."""
+    """Ending of the file names of a component: none for the first, "-2" for the second."""
     return "" if number == 1 else f"-{number}"

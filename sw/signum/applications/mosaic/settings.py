@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How a survey is made."""
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ class SurveySettings:
     Attributes:
         step: share of the frame's width or height by which a stream's view moves before a frame is stored.
         turn_deg: rotation at which it is stored all the same.
-        back: number of stored frames a new one is tried against before a new piece begins.
-        patience: consecutive frames of a stream that may be refused before a new piece begins.
+        back: number of stored frames a new one is tried against before a new component begins.
+        patience: consecutive frames of a stream that may be refused before a new component begins.
         reach: pixels of the board searched around a stream's predicted place.
         loops: whether edges beside the sequence are looked for; without them the mosaic is a chain.
         overlap: least predicted overlap at which an edge is proposed, share of a frame.
@@ -30,7 +31,7 @@ class SurveySettings:
         outvoted: misfit at which an edge has a quarter of its weight, in units of the usual misfit.
         farthest: largest reach, pixels of the board, searched around a prediction; beyond it the whole frame is
             searched.
-        joins: frames of other pieces tried for each stored frame.
+        joins: frames of other components tried for each stored frame.
     """
 
     step: float = 1 / 3

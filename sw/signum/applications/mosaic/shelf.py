@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a survey keeps on disk, so that it can continue after a crash: the stored frames, the journal, the run's record.
 
     run.json            what was asked for, the files made of it, and whether all of them are finished

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Simulated surveys: frames on a grid of rows and columns over a seafloor, taken by a vehicle that wobbles, with truth.
 
 Heading and height are held within the accuracy of compass and altimeter: yaw, height, roll, pitch and place differ

@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
 """A survey, frame by frame: each is registered against the last, then against every neighbour the poses predict.
 
 The track of the vehicle is not given: a single column, columns flown back and forth, or any other. The sequence places
 each frame; least squares over all edges (`graph`) corrects the places. After every stored frame the pairs whose
-predicted overlap is large enough are registered (`loops`), within the uncertainty of the prediction; what is found
-elsewhere is refused. Where the sequence breaks, a new piece begins, and frames of both pieces are tried until one edge
-between them is found and confirmed by others.
+predicted overlap is large enough are registered (`loop_closures`), within the uncertainty of the prediction; what is
+found elsewhere is refused. Where the sequence breaks, a new component begins, and frames of both components are tried
+until one edge between them is found and confirmed by others.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import numpy as np
 from signum.applications.mosaic.edges import LIVE, SEQUENCE, Edge
 from signum.applications.mosaic.journal import SurveyRun
 from signum.applications.mosaic.ledger import Ledger, Piece
-from signum.applications.mosaic.loops import Loops
+from signum.applications.mosaic.loop_closures import Loops
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.results import Results
 from signum.applications.mosaic.settings import SurveySettings
@@ -44,7 +45,7 @@ class Survey:
 
     Args:
         registrar: for frames of this size.
-        out: folder for `edges.csv`, `poses.csv`, `mosaic.png`; further pieces get `poses-2.csv`, `mosaic-2.png`, ...
+        out: folder for `edges.csv`, `poses.csv`, `mosaic.png`; `poses-2.csv`, `mosaic-2.png` of a second component.
         stream: whether the view moves little between frames (a video), rather than a third of a frame (snapshots).
         settings: see `SurveySettings`.
         source: where the frames come from, for the record.
@@ -53,7 +54,7 @@ class Survey:
         calibration: of the camera, for the record.
 
     Attributes:
-        ledger: the pieces and edges so far.
+        ledger: the components and edges so far.
         results: writes poses and mosaics; has the optional georeference.
         done: names of the frames taken in.
         remarks: of damage that was found in the folder and mended, or not, a line each.
@@ -169,7 +170,7 @@ class Survey:
 
     @property
     def pieces(self) -> list[Piece]:
-        """The pieces, the one that new frames are added to last."""
+        """The components, the one that new frames are added to last."""
         return self.ledger.pieces
 
     @property
@@ -178,11 +179,11 @@ class Survey:
         return self.ledger.edges
 
     def ranked(self) -> list[Piece]:
-        """The pieces, that with most frames first."""
+        """The components, that with most frames first."""
         return self.ledger.ranked()
 
     def poses(self, piece: Piece) -> list[Pose]:
-        """Poses of a piece's frames, in order."""
+        """Poses of a component's frames, in order."""
         return self.ledger.poses(piece)
 
     def add(self, frame: Frame) -> str:
@@ -272,7 +273,7 @@ class Survey:
         self._seen = self._before = self._last = None
 
     def _predict(self) -> Similarity:
-        """Where the next live frame should see the stored one, at the velocity of the last two."""
+        """The predicted place of the stored frame in the next live one, at the velocity of the last two."""
         if self._seen is None:
             return IDENTITY
         if self._before is None:
@@ -287,7 +288,7 @@ class Survey:
         self._forget_motion()
         if self.settings.loops and len(self.pieces) > 1:
             self._loops.join(frame.name)
-        return f"{frame.name}: begins piece {len(self.pieces)}"
+        return f"{frame.name}: begins component {len(self.pieces)}"
 
     def _store(self, frame: Frame, edge: Edge) -> str:
         """Add a frame to the graph by an accepted edge, and look for its neighbours."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Three ways to place frames by the same edges, for comparison: two chains of the paper, and least squares."""
 
 from __future__ import annotations

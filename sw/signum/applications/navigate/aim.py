@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """\"Look at that\": where a chosen place of a mosaic is in each frame.
 
 Every frame is measured against the mosaic itself, so errors do not accumulate. The frame before only centres the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A finished mosaic as a chart: its picture, the covered area, named places."""
 
 from __future__ import annotations

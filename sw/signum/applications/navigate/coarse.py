@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The coarse search: candidate places of a frame in a mosaic, without a prior.
 
 Frame and mosaic are scaled down until the frame is 160 pixels long. A grid of the frame's windows is searched for in
@@ -24,7 +25,7 @@ SEARCH_SIDE = 160
 SEARCH_WINDOW = 32
 """Side of the windows, coarse pixels."""
 SEARCH_SIGMA = 1.25
-"""Of the LoG, coarse pixels."""
+"""Sigma of the LoG, coarse pixels."""
 SEARCH_GRID = (5, 4)
 """Windows across and down."""
 TILE_OVERLAP = 56

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares a frame, window by window, with the part of the mosaic that a guess predicts it shows; board pixels."""
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from signum.applications.navigate.coarse import spread, whole
 from signum.applications.navigate.place import LocaliseLimits
 from signum.common.arrays import Floats, Image
 from signum.geometry.similarity import Similarity, fit, vote
-from signum.measure.measurer import Measurement, Measurer, Query, Reason
+from signum.measure.measurer import Measurement, Measurer, Query
+from signum.measure.validity import Reason
 
 MOST_WINDOWS = (9, 7)
 """Largest number of windows across and down."""

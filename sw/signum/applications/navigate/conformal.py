@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stereographic pictures of a turning camera: a rotation of the camera moves them without deforming them.
 
 A pinhole picture stretches objects off its axis by 1/cos^2 along the radius, so that pictures of one object at

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures of navigation: the mosaic with the path of the frames and the target."""
 
 from __future__ import annotations

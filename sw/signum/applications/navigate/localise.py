@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where a live frame is in a mosaic.
 
 Without a prior the coarse search proposes places; with a prior only that is tried. Each predicts the part of the mosaic
@@ -26,7 +27,8 @@ from signum.applications.navigate.place import LocaliseLimits, Place
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import Similarity
-from signum.measure.measurer import Measurer, Reason
+from signum.measure.measurer import Measurer
+from signum.measure.validity import Reason
 
 STRAIGHT_DEG, STRAIGHT_ZOOM = 2.0, 0.03
 """Largest error of a guess, in rotation (degrees) and scale, at which windows match well enough without a second

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What localisation accepts, and what it returns."""
 
 from __future__ import annotations
@@ -6,7 +7,7 @@ import math
 from dataclasses import dataclass, field
 
 from signum.geometry.similarity import Similarity
-from signum.measure.measurer import Rules
+from signum.measure.validity import Rules
 
 
 @dataclass(frozen=True)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Steers to a target: rates of a pan/tilt, or forces of a vehicle, from the target's position in the frame."""
 
 from __future__ import annotations
@@ -6,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from signum.applications.hold.loops import Axes, BodyLoops
+from signum.applications.hold.body_pid import Axes, BodyLoops
 from signum.applications.navigate.aim import Aim
 from signum.common.arrays import Floats
 from signum.geometry.camera import LOOK_DOWN, rotation

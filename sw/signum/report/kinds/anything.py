@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report of a folder with none of the known tables: its tables and pictures as they are."""
 
 from __future__ import annotations
@@ -6,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from signum.report.columns import read_table
 from signum.report.page import Section, row, table
 from signum.report.pictures import pictures
+from signum.report.read_table import read_table
 
 MOST_UNKNOWN = 12
 """Pictures on a page that shows nothing else of what they are."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report of `signum mosaic`."""
 
 from __future__ import annotations
@@ -7,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.columns import Columns, read_table
 from signum.report.page import Section, plot, row, table
 from signum.report.pictures import picture
+from signum.report.read_table import Columns, read_table
 from signum.tables.schemas import EDGES, POSES
 
 COLOURS = {"sequence": "tab:blue", "loop": "tab:green", "join": "tab:orange", "live": "tab:cyan"}

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report of `signum stereo`."""
 
 from __future__ import annotations
@@ -7,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.report.columns import read_table
 from signum.report.page import Section, paragraph, plot, row, table
 from signum.report.pictures import pictures
+from signum.report.read_table import read_table
 from signum.tables.schemas import DISPARITY
 
 MOST_LINES = 40

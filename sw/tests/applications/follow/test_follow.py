@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Following: segmentation of known scenes, one contiguous blob, states, and short chases with the truth."""
 
 from __future__ import annotations
@@ -130,7 +131,7 @@ def test_terrain_alone_is_no_fish(turn: float) -> None:
 
 
 class _Scripted:
-    """An eye that sees what it is told to, and whose pictures match nowhere."""
+    """An eye that returns what it is given, and whose pictures match nowhere."""
 
     def __init__(self, script: Sequence[bool]) -> None:
         self.measurer = measurer((96, 72))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Station keeping: the equations, the closed loop under current, surge, snow, occlusion and shove, and MAVLink."""
 
 from __future__ import annotations
@@ -7,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
+from signum.applications.hold.body_pid import Axes
 from signum.applications.hold.judge import judge_hold
 from signum.applications.hold.keeper import Sensed, StationKeeper
-from signum.applications.hold.loops import Axes
 from signum.applications.hold.mavlink import MavlinkSink
 from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import Level, Reading

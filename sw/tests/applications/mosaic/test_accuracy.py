@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Errors against truth, worked out by hand; edges and tracks read back; mosaics on the ground."""
 
 import math
@@ -73,7 +74,7 @@ def test_tracks_are_read_and_bad_ones_named(tmp_path: Path) -> None:
                        ("frame,x,y\n", "no rows")):
         with pytest.raises(SignumError, match=says):
             read_track(write(text))
-    with pytest.raises(SignumError, match="three are needed"):
+    with pytest.raises(SignumError, match="at least 3 must"):
         pose_errors(_square(1, 0), read_track(write("frame,x,y\n1,2,3\n9,2,3\n")))
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Blending of many frames: by blocks as at once, the lamp's cone taken out, a sketch of what has come so far."""
 
 import numpy as np

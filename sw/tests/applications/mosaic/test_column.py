@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Single columns: chains of edges without loops, flown by hand and by themselves, and on real surveys where at hand."""
 
 import csv
@@ -128,7 +129,7 @@ def test_refused_edges_are_recorded_and_begin_a_new_piece(tmp_path: Path) -> Non
     accepted = {(e["frame_a"], e["frame_b"]): e["accepted"] for e in _rows(tmp_path / "edges.csv")}
     assert accepted["0", "1"] == accepted["1", "2"] == accepted["2", "3"] == "0" and accepted["3", "4"] == "1"
     assert [piece.frames for piece in survey.pieces] == [["0"], ["1"], ["2"], ["3", "4"]]
-    assert [p["frame"] for p in _rows(tmp_path / "poses.csv")] == ["3", "4"], "the piece with most frames comes first"
+    assert [p["frame"] for p in _rows(tmp_path / "poses.csv")] == ["3", "4"], "the largest component comes first"
     assert [p["frame"] for p in _rows(tmp_path / "poses-2.csv")] == ["0"]
     assert [p["frame"] for p in _rows(tmp_path / "poses-4.csv")] == ["2"]
     assert (tmp_path / "mosaic.png").exists() and not list(tmp_path.glob("mosaic-*.png"))

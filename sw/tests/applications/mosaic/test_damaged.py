@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Folders of surveys that are damaged: what can be mended is, with one line; what cannot is said with the remedy."""
 
 import json

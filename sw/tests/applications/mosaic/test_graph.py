@@ -1,4 +1,5 @@
-"""The pose graph: known graphs come back, whatever some edges say."""
+# SPDX-License-Identifier: Apache-2.0
+"""The pose graph: known graphs are recovered, even with some wrong edges."""
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ def _poses(side: int, rng: np.random.Generator) -> dict[str, Similarity]:
 
 
 def _edge(poses: dict[str, Similarity], a: str, b: str, rng: np.random.Generator, noise: float) -> Edge:
-    """What a registration with window errors of `noise` pixels would say; 16 windows count as 4."""
+    """What a registration with window errors of `noise` pixels would give; 16 windows count as 4."""
     true = poses[b].inverse @ poses[a]
     middle = (np.array(CENTRE) + true.inverse(np.array(CENTRE))) / 2
     spread = 60.0

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Surveys end to end: back and forth untold, broken off and gone on with, wrong edges refused, real ones."""
 
 import csv
@@ -15,7 +16,7 @@ from typer.testing import CliRunner, Result
 
 from signum.applications.mosaic.accuracy import pose_errors, read_track
 from signum.applications.mosaic.edges import JOIN, SEQUENCE
-from signum.applications.mosaic.loops import Loops
+from signum.applications.mosaic.loop_closures import Loops
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError
 from signum.applications.mosaic.simulate import Flown, Plan, simulate_survey
@@ -183,7 +184,7 @@ def test_wrong_predictions_never_make_a_edge(flown: Flown, tmp_path: Path) -> No
 
 
 def test_pieces_are_joined_where_columns_meet(flown: Flown, tmp_path: Path) -> None:
-    """Frames between two columns are lost: two pieces, until a frame of the second finds the first."""
+    """Frames between two columns are lost: two components, until a frame of the second finds the first."""
     blind = np.random.default_rng(5).integers(0, 256, PLAN.size[::-1], dtype=np.uint8)
     cells = flown.sequence()
     pictures: list[tuple[str, np.ndarray]] = [(str(k), flown.frames[c]) for k, c in enumerate(cells[:3])]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Mosaic navigation against the truth of the simulated world, and on a mosaic of a photograph."""
 
 from __future__ import annotations

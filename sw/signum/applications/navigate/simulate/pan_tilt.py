@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A camera on a pan/tilt surveys a seafloor from one position, and is then sent to chosen points of its own mosaic."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a simulated mosaic truly shows: it judges navigation and takes no part in it."""
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from signum.world.camera import Pinhole
 Make = Callable[[tuple[int, int], float], Measurer]
 """Makes a measurer for a picture size (width, height) and a sigma."""
 SURVEY_SIGMA = 2.0
-"""Of the LoG in a simulated survey, pixels."""
+"""Sigma of the LoG in a simulated survey, pixels."""
 SURVEY_WINDOW = 64
 """Side of the windows in a simulated survey, pixels."""
 LIKENESS_HALF = 12

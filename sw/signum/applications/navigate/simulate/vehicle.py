@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A vehicle goes to a place of its mosaic and stays above it: six degrees of freedom, a current with surge.
 
 Its measurements are frames against the mosaic, and roll and pitch.

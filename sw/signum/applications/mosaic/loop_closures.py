@@ -1,4 +1,5 @@
-"""Finds edges beside the sequence: between frames whose predicted overlap is large enough, and between pieces."""
+# SPDX-License-Identifier: Apache-2.0
+"""Finds loop closures: edges between frames that are not consecutive, in one component or between two."""
 
 from __future__ import annotations
 
@@ -67,7 +68,7 @@ class Loops:
         return found
 
     def _try(self, piece: Piece, pair: tuple[str, str], by: Edge | None) -> bool:
-        """Measure a proposed edge of a piece; it is accepted if it agrees with the poses."""
+        """Measure a proposed edge of a component; it is accepted if it agrees with the poses."""
         a, b = pair
         predicted = piece.places[b].inverse @ piece.places[a]
         point = self._common(predicted)
@@ -111,7 +112,7 @@ class Loops:
         return Edge.of(a, b, kind, self._centre, result, reason)
 
     def join(self, name: str) -> int:
-        """Look for an edge from a frame of the last piece to the others; returns how many were accepted."""
+        """Look for an edge from a frame of the last component to the others; returns how many were accepted."""
         late = self._ledger.piece_of(name)
         others = [(piece, other) for piece in self._ledger.pieces if piece is not late for other in piece.stored]
         # Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
@@ -136,7 +137,7 @@ class Loops:
         return found
 
     def _confirm(self, join: Edge) -> int:
-        """Accept an edge between two pieces if at least half of the other edges that it predicts are found too.
+        """Accept an edge between two components if at least half of the other edges that it predicts are found too.
 
         Returns:
             Edges accepted: 0, or 2 and more.
@@ -173,8 +174,8 @@ class Loops:
         return 1 + len(good)
 
     def exhaust(self, piece: Piece) -> Iterator[str]:
-        """Look again for the edges of a piece that its poses now predict, until there are no more; yields a phrase for
-        each frame."""
+        """Look again for the edges of a component that its poses now predict, until there are no more; yields a phrase
+        for each frame."""
         for _ in range(3):
             connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
             for pair, before in list(self.tried.items()):

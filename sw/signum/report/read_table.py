@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reads tables back; `rows.py` has the rows that are written."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One PID per body axis: position errors in, thruster forces out; shared by station keeping and mosaic navigation."""
 
 from __future__ import annotations

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The proofs: what is proved of which module, and why the other modules with control have none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Mode = Literal["prove", "bmc", "cover"]
+
+
+@dataclass(frozen=True)
+class Proof:
+    """One run of the prover on one module with given parameters.
+
+    Attributes:
+        name: of the proof, unique.
+        top: the module, with every module that it uses.
+        mode: `prove` is k-induction: the assertions hold for ever. `bmc` examines only the first `depth` clocks after
+            power-up. `cover` shows that every cover point can be reached in `depth` clocks.
+        depth: clocks; of `prove`, the length of the induction.
+        parameters: of `top`.
+        rules: files of `properties/` bound to the design, besides the reset's.
+        assumed: assertions of `top` about its user, which are assumed instead of proved. They are proved, or tested in
+            simulation, where the module is used.
+        reset: clocks for which the reset is held, at power-up and later; 0: the module has no reset.
+        quick: part of the quick selection.
+        engine: of SymbiYosys.
+        config: configuration whose package is read.
+        blackboxes: modules whose outputs may be anything.
+    """
+
+    name: str
+    top: str
+    mode: Mode
+    depth: int
+    parameters: Mapping[str, int] = field(default_factory=dict)
+    rules: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+    reset: int = 1
+    quick: bool = True
+    engine: str = "smtbmc yices"
+    config: str = "tiny"
+    blackboxes: tuple[str, ...] = ()
+
+
+PROOFS: tuple[Proof, ...] = (
+    Proof("fifo", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",)),
+    Proof("fifo_odd", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 3}, rules=("fifo",)),
+    Proof("fifo_one", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 1}, rules=("fifo",)),
+    Proof("fifo_kept", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4, "Kept": 1}, rules=("fifo",),
+          assumed=("SlogFifoKept",)),
+    Proof("fifo_covers", "slog_fifo", "cover", 12, {"Width": 2, "Depth": 4}, rules=("fifo",)),
+    Proof("stage", "slog_stage", "prove", 3, {"Width": 2}, rules=("stage",)),
+    Proof("stage_half", "slog_stage", "prove", 3, {"Width": 2, "Half": 1}, rules=("stage",)),
+    Proof("ram_fifo", "slog_ram_fifo", "prove", 6, {"Width": 2, "Depth": 4}, rules=("fifo", "ram_fifo")),
+    Proof("peak_room", "slog_peak_room", "prove", 5, {"Depth": 20, "MaxOffsets": 12}, rules=("peak_room",),
+          assumed=("SlogPeakRoomOffsets",)),
+    Proof("peak_room_full", "slog_peak_room", "prove", 5, {"Depth": 1024, "MaxOffsets": 640}, rules=("peak_room",),
+          assumed=("SlogPeakRoomOffsets",)),
+    Proof("peak_room_covers", "slog_peak_room", "cover", 24, {"Depth": 20, "MaxOffsets": 12}, rules=("peak_room",),
+          assumed=("SlogPeakRoomOffsets",)),
+    Proof("job_check", "slog_job_check", "bmc", 13, rules=("job_check",),
+          assumed=("SlogJobCheckOneAtATime", "SlogJobCheckStable")),
+    Proof("job_check_covers", "slog_job_check", "cover", 12, rules=("job_check",),
+          assumed=("SlogJobCheckOneAtATime", "SlogJobCheckStable")),
+    Proof("job_plan", "slog_job_plan", "bmc", 11, {"Width": 8, "MaxHeight": 36, "WordsPerRow": 6}, rules=("job_plan",),
+          assumed=("SlogJobPlanStable", "SlogJobPlanOneAtATime")),
+    Proof("grid", "slog_grid", "prove", 3, rules=("grid",), assumed=("SlogGridReadyStays",)),
+    Proof("grid_covers", "slog_grid", "cover", 20, rules=("grid",), assumed=("SlogGridReadyStays",), quick=False),
+    Proof("packer", "slog_packer", "bmc", 18, {"GroupBits": 4}, rules=("packer",), assumed=("SlogPackerAbortAlone",)),
+    Proof("packer_covers", "slog_packer", "cover", 18, {"GroupBits": 4}, rules=("packer",),
+          assumed=("SlogPackerAbortAlone",)),
+    Proof("axil", "slog_axil", "bmc", 16, {"AddrW": 5}, rules=("axil",)),
+    Proof("axil_covers", "slog_axil", "cover", 22, {"AddrW": 5}, rules=("axil",)),
+    Proof("running_max", "slog_running_max", "bmc", 10, {"ValueW": 3, "IndexW": 3}, rules=("running_max",),
+          assumed=("SlogRunningMaxIndices",), quick=False),
+    Proof("walker", "slog_walker", "bmc", 12, {"Pitch": 4, "RingRows": 32, "DrainClocks": 4},
+          assumed=("SlogWalkerRowStable", "SlogWalkerLanes"), quick=False),
+    Proof("sequencer", "slog_sequencer", "bmc", 14, {"GroupBits": 8, "Pitch": 4, "RingRows": 32, "DrainClocks": 4},
+          rules=("sequencer",), assumed=("SlogSequencerFreed",)),
+    Proof("popcount", "slog_popcount", "bmc", 8, {"GroupBits": 4, "Lanes": 1}, rules=("popcount",), reset=0),
+    Proof("video_in", "slog_video_in", "bmc", 12, {"MaxWidth": 8, "Radius": 2}, rules=("video_in",),
+          assumed=("SlogVideoInSize",)),
+    Proof("peak_rows", "slog_peak_rows", "bmc", 12, assumed=("SlogPeakRowsThere",)),
+    Proof("peak_scan", "slog_peak_scan", "bmc", 10, assumed=("SlogPeakScanRoom", "SlogPeakScanOrder",
+          "SlogPeakScanBest")),
+    Proof("filter_bank", "slog_filter_bank", "bmc", 10, {"Coefs": 3, "MinImage": 18, "MaxWidth": 48, "MaxHeight": 36}),
+    Proof("reset", "slog_reset", "bmc", 10, rules=("board_reset",), reset=0),
+    Proof("capture_channel", "slog_capture_channel", "prove", 6,
+          {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
+          assumed=("SlogCaptureRoom", "SlogCaptureWaits", "SlogCaptureArmWhenFree", "SlogCaptureNoEarlyWord")),
+)
+
+
+DATA = "data path without decisions of its own; cocotb compares every output with the golden model on every clock"
+WIRES = "instances and wires, with pipeline registers at most; its parts are proved or have their reason here"
+LARGE = "too large for the solver with its memories and multipliers; lockstep with the golden board is the evidence"
+
+REASONS: Mapping[str, str] = {
+    "slog_accumulator": "not yet proved; cocotb compares every output with the golden model on every clock",
+    "slog_add_halves": "part of the proof `popcount`",
+    "slog_align": DATA,
+    "slog_array": WIRES,
+    "slog_board": WIRES,
+    "slog_capture": "not yet: the two channels' arbiter and the slot flags; its own assertions run in simulation",
+    "slog_capture_slice": DATA,
+    "slog_clock_gate": "only in the fast simulation build, whose outputs are compared with the golden board's",
+    "slog_control": "not yet: most of it is the generated register block; its own assertions run in simulation",
+    "slog_correlator": WIRES,
+    "slog_counters": DATA,
+    "slog_emit": "not yet: its scores are bit-skewed like the accumulator's; its own assertions run in simulation",
+    "slog_fetch": "not yet: ten states around the store's latency; its own assertions run in simulation",
+    "slog_fir": DATA,
+    "slog_fir_kernel": DATA,
+    "slog_frontend": LARGE,
+    "slog_lanes": DATA,
+    "slog_line_bank": DATA,
+    "slog_line_buffer": LARGE,
+    "slog_log": LARGE,
+    "slog_mult": "the operator * behind registers",
+    "slog_operands": "not yet: its own assertions run in simulation",
+    "slog_packer_slice": "part of the proof `packer`",
+    "slog_peak": "not yet as a whole: its queues, its rows, its scan and its room are proved alone",
+    "slog_peak_best": "not yet: its own assertions run in simulation",
+    "slog_peak_collect": DATA,
+    "slog_peak_intake": "not yet: its own assertions run in simulation",
+    "slog_peek": "not yet: its own assertions run in simulation",
+    "slog_ram": "part of the proof `ram_fifo`",
+    "slog_reset_buffer": "a wire",
+    "slog_ring_slice": DATA,
+    "slog_search_ring": "not yet: its own assertions run in simulation",
+    "slog_store": "not yet: a plain memory as its model; its own assertions run in simulation",
+    "slog_store_slice": DATA,
+    "slog_taps": DATA,
+    "slog_taps_slice": DATA,
+    "slog_taps_window": DATA,
+}
+"""Modules without a proof, and why."""

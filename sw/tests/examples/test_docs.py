@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The documentation names what there is: modules, columns, commands; pictures are as the scripts draw them."""
+
+import importlib.util
+import re
+import sys
+from types import ModuleType
+
+import pytest
+
+from sim.toolchain import ROOT, RTL
+
+DOCS = ROOT / "docs"
+README_WORDS = 900
+
+
+def tool(name: str) -> ModuleType:
+    """A script of `docs/tools`."""
+    spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / "tools" / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look there
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_module_is_listed_with_a_test_that_exists() -> None:
+    rows = re.findall(r"^\| `(slog_\w+)` \| .+ \| `([\w/]+)` \|$", (DOCS / "reference/modules.md").read_text(), re.M)
+    names = {path.stem for path in RTL.rglob("slog_*.sv") if not {"gen", "ecp5"} & set(path.parts)}
+    assert {name for name, _ in rows} == {name for name in names if not name.endswith("_pkg")}
+    missing = [test for _, test in rows if not (ROOT / "cocotb_tests" / f"{test}.py").exists()]
+    assert not missing
+
+
+def test_every_column_has_a_unit() -> None:
+    pages = tool("pages")
+    found = {name: [pages.unit(name, column) for column in columns] for name, columns, _ in pages.schemas()}
+    assert len(found) > 12 and all(map(all, found.values()))
+
+
+def test_every_command_and_option_is_on_the_page() -> None:
+    from signum.commands.cli import COMMANDS
+    page = tool("pages").commands_page()
+    assert re.findall(r"^## signum (\w+)$", page, re.M) == sorted(COMMANDS)
+    assert "`--board`" in page and "`golden`" in page
+
+
+@pytest.mark.parametrize("name", ["board", "cells", "frontend", "store", "correlator", "array", "peak", "control"])
+def test_diagrams_are_as_drawn(name: str) -> None:
+    assert (DOCS / "img" / f"{name}.svg").read_text() == tool("diagrams").DIAGRAMS[name]().svg()
+
+
+@pytest.mark.parametrize("name", ["cells", "frontend", "store", "correlator", "array", "peak", "control"])
+def test_timing_diagrams_are_as_recorded(name: str) -> None:
+    waves = tool("waves")
+    assert (DOCS / "img" / f"waves-{name}.svg").read_text() == waves.draw(waves.WAVES[name]())
+
+
+def test_readme_is_short_and_its_links_lead_somewhere() -> None:
+    text = (ROOT / "README.md").read_text()
+    links = re.findall(r"\]\(([^)#]+)\)", text)
+    assert len(text.split()) <= README_WORDS
+    assert links and not [link for link in links if not (ROOT / link).exists()]
