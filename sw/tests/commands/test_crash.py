@@ -26,7 +26,7 @@ import pytest
 
 from signum.applications.mosaic.simulate import Plan, simulate_survey
 
-CRASHES = int(os.environ.get("CRASHES", "6"))
+CRASHES = int(os.environ.get("CRASHES", "4"))
 SEED = int(os.environ.get("SEED", "1"))
 PLAN = Plan(rows=3, columns=2, size=(160, 120), focal=180.0, step=(0.5, 0.5), yaw_deg=2.0)
 NAMES = "mosaic of a video", "hold", "mosaic of a folder", "track"
