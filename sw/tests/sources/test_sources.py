@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from signum.common.errors import SourceError
-from signum.sources.files import ArraySource, CameraSource, FolderSource, VideoSource
+from signum.sources.files import ArraySource, FolderSource, VideoSource
+from signum.sources.live import CameraSource
 from signum.sources.open import open_source
 
 
