@@ -74,8 +74,9 @@ class VideoSource(Source):
     def __init__(self, file: Path) -> None:
         self.file = file
         with self._opened() as capture:
-            count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+            count, rate = capture.get(cv2.CAP_PROP_FRAME_COUNT), float(capture.get(cv2.CAP_PROP_FPS))
         super().__init__(str(file), round(count) if 0 < count < MOST_FRAMES else None)
+        self.rate = rate if 0.1 <= rate <= 1000 else None
 
     @contextmanager
     def _opened(self) -> Iterator[cv2.VideoCapture]:
