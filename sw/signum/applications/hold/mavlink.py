@@ -51,8 +51,8 @@ class MavlinkSink:
         try:
             self._link: Any = mavutil.mavlink_connection(address, source_system=SYSTEM, source_component=COMPONENT)
         except ModuleNotFoundError as error:
-            raise SignumError(f"--mavlink {address}: a serial port needs the package {error.name}: install pyserial, or "
-                              "write the address as udpout:HOST:PORT") from error
+            raise SignumError(f"--mavlink {address}: a serial port needs the package {error.name}: install pyserial, "
+                              "or write the address as udpout:HOST:PORT") from error
         except (OSError, ValueError, IndexError) as error:
             raise SignumError(f"--mavlink {address}: {error}; write it as udpout:HOST:PORT") from error
         # The message belongs to MAVLink 2. Which of the two pymavlink's own messages are is fixed by the environment of
