@@ -35,11 +35,13 @@ class Frame:
     """One picture of a source, uint8 (H, W) or (H, W, 3) blue, green, red.
 
     `name` is the file's name without its ending for pictures, the index from 0 for everything else; it is the `frame`
-    of all tables.
+    of all tables. `time_s` is its time in seconds on its source's own clock: the presentation time of a video, a
+    message's stamp in a bag, the monotonic clock when a live frame came; None where the source has no times.
     """
 
     name: str
     picture: Image
+    time_s: float | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -57,6 +59,12 @@ class Source(ABC):
 
     snapshots = False
     """Whether frames are single pictures, far apart, rather than a stream with little motion from one to the next."""
+    live = False
+    """Whether frames cannot be had again; the newest is given, those that came meanwhile are skipped."""
+    rate: float | None = None
+    """Nominal frames per second; None if it is not known."""
+    skipped = 0
+    """Frames that a live source did not give, as newer ones came."""
 
     def __init__(self, label: str, count: int | None) -> None:
         self.label = printable(label)

@@ -10,6 +10,7 @@ import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -73,8 +74,9 @@ class VideoSource(Source):
     def __init__(self, file: Path) -> None:
         self.file = file
         with self._opened() as capture:
-            count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+            count, rate = capture.get(cv2.CAP_PROP_FRAME_COUNT), float(capture.get(cv2.CAP_PROP_FPS))
         super().__init__(str(file), round(count) if 0 < count < MOST_FRAMES else None)
+        self.rate = rate if 0.1 <= rate <= 1000 else None
 
     @contextmanager
     def _opened(self) -> Iterator[cv2.VideoCapture]:
@@ -116,29 +118,6 @@ class VideoSource(Source):
                 f"mend the file with `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
 
 
-class CameraSource(Source):
-    """A live camera by its OpenCV index, until the camera delivers no more frames."""
-
-    def __init__(self, index: int) -> None:
-        super().__init__(f"camera {index}", None)
-        self.index = index
-
-    def _frames(self) -> Iterator[Frame]:
-        capture = cv2.VideoCapture(self.index)
-        if not capture.isOpened():
-            raise SourceError(f"{self.label}: cannot be opened; list the cameras with `ls /dev/video*`")
-        try:
-            done = 0
-            while True:
-                good, picture = capture.read()
-                if not good:
-                    return
-                yield Frame(str(done), np.asarray(picture, np.uint8))
-                done += 1
-        finally:
-            capture.release()
-
-
 class ArraySource(Source):
     """Camera frames held in an array: a sequence of pictures, or a .npy file of uint8 (N, H, W) or (N, H, W, 3)."""
 
@@ -177,7 +156,13 @@ class UndistortedSource(Source):
     def __init__(self, source: Source, calibration: Path) -> None:
         super().__init__(source.label, source.count)
         self.source, self.snapshots, self.calibration = source, source.snapshots, calibration
+        self.live, self.rate = source.live, source.rate
         self._matrix, self._distortion, self._size = read_mono(calibration)
+
+    @property
+    def skipped(self) -> int:  # type: ignore[override]
+        """Of the source."""
+        return self.source.skipped
 
     def _frames(self) -> Iterator[Frame]:
         maps = cv2.initUndistortRectifyMap(self._matrix, self._distortion, np.eye(3), self._matrix, self._size,
@@ -186,7 +171,7 @@ class UndistortedSource(Source):
             if frame.size != self._size:
                 raise CalibrationError(f"{self.calibration}: is for {size_text(self._size)}, frame {frame.name} is "
                                        f"{size_text(frame.size)}: use the calibration of this camera at this size")
-            yield Frame(frame.name, np.asarray(cv2.remap(frame.picture, *maps, cv2.INTER_LINEAR), np.uint8))
+            yield replace(frame, picture=np.asarray(cv2.remap(frame.picture, *maps, cv2.INTER_LINEAR), np.uint8))
 
 
 def _header(file: Path) -> tuple[tuple[int, ...], bool, np.dtype[np.generic], int]:

@@ -12,12 +12,12 @@ from signum.frames.frame import Source
 from signum.sources.files import (
     PICTURES,
     ArraySource,
-    CameraSource,
     FolderSource,
     PictureSource,
     UndistortedSource,
     VideoSource,
 )
+from signum.sources.live import CameraSource
 
 BAGS = frozenset({".bag", ".mcap", ".db3"})
 """A file with one of these endings is a ROS bag."""

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from signum.common.errors import SourceError
-from signum.sources.files import ArraySource, CameraSource, FolderSource, VideoSource
+from signum.common.files import write_picture
+from signum.sources.files import ArraySource, FolderSource, VideoSource
+from signum.sources.live import CameraSource
 from signum.sources.open import open_source
 
 
@@ -27,7 +29,7 @@ def _video(path: Path, frames: int, size: tuple[int, int] = (96, 64)) -> Path:
 def test_folder_in_natural_order_named_by_stem(tmp_path: Path) -> None:
     for name in ("10.png", "9.tif", "1.jpg", "notes.csv", ".hidden.png"):
         file = tmp_path / name
-        file.write_text("x") if name.endswith("csv") else cv2.imwrite(str(file), _picture())
+        file.write_text("x") if name.endswith("csv") else write_picture(file, _picture())
     source = open_source(tmp_path)
     assert isinstance(source, FolderSource) and source.snapshots and source.count == 3
     assert [f.name for f in source] == ["1", "9", "10"]
@@ -63,13 +65,13 @@ def _bad(folder: Path, kind: str) -> Path:
     path = folder / {"16bit": "a.png", "text": "a.png", "cut": "a.png", "cutjpg": "a.jpg", "float": "a.tif",
                      "npy": "a.npy", "npyshape": "a.npy", "video": "a.mp4", "emptyvideo": "a.mp4"}.get(kind, "a")
     if kind == "16bit":
-        cv2.imwrite(str(path), _picture().astype(np.uint16) * 256)
+        write_picture(path, _picture().astype(np.uint16) * 256)
     elif kind == "float":
-        cv2.imwrite(str(path), _picture().astype(np.float32))
+        write_picture(path, _picture().astype(np.float32))
     elif kind == "text":
         path.write_text("this is no picture")
     elif kind in ("cut", "cutjpg"):
-        cv2.imwrite(str(path), _picture(256, 200))
+        write_picture(path, _picture(256, 200))
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     elif kind == "npy":
         path.write_text("no array")
@@ -100,7 +102,7 @@ def test_bad_input_is_one_line_that_names_the_file(tmp_path: Path, kind: str, sa
 
 def test_frames_of_different_sizes_are_named_when_their_turn_comes(tmp_path: Path) -> None:
     for name, size in (("1", (64, 48)), ("2", (64, 48)), ("3", (64, 50))):
-        cv2.imwrite(str(tmp_path / f"{name}.png"), _picture(*size))
+        write_picture(tmp_path / f"{name}.png", _picture(*size))
     seen = []
     with pytest.raises(SourceError, match="frame 3 is 64x50, frame 1 is 64x48"):
         for frame in open_source(tmp_path):
@@ -110,7 +112,7 @@ def test_frames_of_different_sizes_are_named_when_their_turn_comes(tmp_path: Pat
 
 def test_two_pictures_of_one_name(tmp_path: Path) -> None:
     for name in ("5.png", "5.tif"):
-        cv2.imwrite(str(tmp_path / name), _picture())
+        write_picture(tmp_path / name, _picture())
     with pytest.raises(SourceError, match="would both be frame 5"):
         open_source(tmp_path)
 
