@@ -82,6 +82,10 @@ synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.j
 formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
 	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
 
+.PHONY: mutate
+mutate: $(VENV)/.synth ## Mutants of the RTL against their modules' tests (SAMPLE=30: only as many; MODULES="fifo grid"; GOLDEN=1: of the golden model)
+	@$(PY) -m $(if $(GOLDEN),sim.mutate.golden,sim.mutate --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE)) $(MODULES))
+
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
 	@$(PY) -m sim.speed
