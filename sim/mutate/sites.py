@@ -90,7 +90,7 @@ class Finder:
         self.source = path.read_bytes()
         self.module = module
         self.tree = parse(path)
-        self.signals = _declared(self.tree, self.source)
+        self.types = _declared(self.tree, self.source)
         self.constant = _constant_functions(self.tree, self.source)
         self.unsynthesised = [match.span() for match in re.finditer(rb"`ifn?def (SYNTHESIS|SLOG_CLOCK_GATE)\b.*?`endif",
                                                                     self.source, re.DOTALL)]
@@ -103,7 +103,7 @@ class Finder:
         for node, place in self._nodes(self.tree, Place(self.tree)):
             if any(start <= node.start < end for start, end in self.unsynthesised):
                 continue
-            for operator, changed in operators.changes(node, self.source, place, self.signals):
+            for operator, changed in operators.changes(node, self.source, place, self.types):
                 mutant = self._mutant(node, place, operator, changed)
                 found.setdefault((mutant.start, mutant.end, mutant.changed), mutant)
         return sorted(found.values(), key=lambda mutant: (mutant.start, -mutant.end))
@@ -178,15 +178,20 @@ def _outside_dimensions(node: Node) -> Iterator[Node]:
             yield from _outside_dimensions(child)
 
 
-def _declared(tree: Node, source: bytes) -> frozenset[str]:
-    """Names of signals and ports."""
-    names = set()
+def _declared(tree: Node, source: bytes) -> dict[str, str]:
+    """Types of signals and ports as they are written, by name."""
+    types: dict[str, str] = {}
     for node in tree.walk():
-        if node.tag == "kRegisterVariable":
-            names.add(node.children[0].text(source))
+        if node.tag == "kInstantiationBase":
+            kind = node.children[0].text(source)
+            for variable in node.walk():
+                if variable.tag == "kRegisterVariable":
+                    size = "".join(n.text(source) for n in variable.children if n.tag == "kUnpackedDimensions")
+                    types[variable.children[0].text(source)] = "".join((kind + size).split())
         elif node.tag == "kPortDeclaration":
-            names |= {child.text(source) for child in node.children if child.tag == "kUnqualifiedId"}
-    return frozenset(names)
+            kind = "".join(n.text(source) for n in node.children if n.tag == "kDataType")
+            types |= {n.text(source): "".join(kind.split()) for n in node.children if n.tag == "kUnqualifiedId"}
+    return types
 
 
 def _constant_functions(tree: Node, source: bytes) -> frozenset[str]:
