@@ -151,6 +151,7 @@ GOOD = Job(0, 10, 10, 16, 8, 1, 5, 6, 20, 10, tag=77)
     ({"height": 1}, Status.BAD_WINDOW), ({"height": 17}, Status.BAD_WINDOW), ({"height": 16}, Status.OK),
     ({"offsets_x": 0}, Status.NO_OFFSETS), ({"offsets_y": 0}, Status.NO_OFFSETS),
     ({"tpl_slot": 2}, Status.BAD_SLOT), ({"search_slot": 2}, Status.BAD_SLOT), ({"tpl_slot": 7}, Status.BAD_SLOT),
+    ({"tpl_slot": 6}, Status.BAD_SLOT), ({"search_slot": 6}, Status.BAD_SLOT), ({"search_slot": 5}, Status.OK),
     ({"tpl_x": 32}, Status.OK), ({"tpl_x": 33}, Status.OUTSIDE),
     ({"tpl_y": 28}, Status.OK), ({"tpl_y": 29}, Status.OUTSIDE),
     ({"offsets_x": 28}, Status.OK), ({"offsets_x": 29}, Status.OUTSIDE),
@@ -162,9 +163,9 @@ GOOD = Job(0, 10, 10, 16, 8, 1, 5, 6, 20, 10, tag=77)
 ])
 def test_check(change: dict[str, int], status: Status) -> None:
     job = replace(GOOD, **change)  # type: ignore[arg-type]
-    planes = {0: random_plane(1), 1: random_plane(2), 7: random_plane(3)}
+    planes = {slot: random_plane(slot) for slot in (0, 1, 5, 6, 7)}
     assert check(job, TINY, SIZE, planes) is status
-    assert check(job, TINY, SIZE, [True, True, False, False, False, False, False, True]) is status
+    assert check(job, TINY, SIZE, [True, True, False, False, False, True, True, True]) is status
     result = run(job, planes, TINY, SIZE)
     assert (result.status, result.tag) == (status, 77)
     if status is not Status.OK:
