@@ -28,7 +28,7 @@ STAGES = ("_i", "_d", "_q", "_q2", "_q3", "")
 """Ends of the names of one signal in its pipeline stages."""
 
 
-class Where(Protocol):
+class Surroundings(Protocol):
     """What the operators know of a node's surroundings."""
 
     statement: Node
@@ -37,7 +37,7 @@ class Where(Protocol):
     reset: bool
 
 
-def changes(node: Node, source: bytes, place: Where, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def changes(node: Node, source: bytes, place: Surroundings, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Names of operators, each with the text that it puts in place of `node`; an empty text drops a statement.
 
     Args:
@@ -104,7 +104,7 @@ def _numbers(text: str) -> list[str]:
     return [f"{bits}'d{n}" for n in near]
 
 
-def _reference(node: Node, source: bytes, place: Where, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def _reference(node: Node, source: bytes, place: Surroundings, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Another stage of the same signal; a slice that lacks its top bit, or lies one bit higher."""
     text, name = node.text(source), node.children[0].text(source)
     match = re.fullmatch(r"(.*?)(_i|_d|_q\d?|)", name)

@@ -69,8 +69,8 @@ def _short(text: str) -> str:
 
 
 @dataclass
-class Place:
-    """Where a node lies: its nearest statement, and whether that is clocked."""
+class Spot:
+    """Surroundings a node lies: its nearest statement, and whether that is clocked."""
 
     statement: Node
     clocked: bool = False
@@ -100,7 +100,7 @@ class Finder:
     def mutants(self) -> list[Mutant]:
         """Every mutant, in the order of the text; none twice."""
         found: dict[tuple[int, int, str], Mutant] = {}
-        for node, place in self._nodes(self.tree, Place(self.tree)):
+        for node, place in self._nodes(self.tree, Spot(self.tree)):
             if any(start <= node.start < end for start, end in self.unsynthesised):
                 continue
             for operator, changed in operators.changes(node, self.source, place, self.types):
@@ -108,7 +108,7 @@ class Finder:
                 found.setdefault((mutant.start, mutant.end, mutant.changed), mutant)
         return sorted(found.values(), key=lambda mutant: (mutant.start, -mutant.end))
 
-    def _mutant(self, node: Node, place: Place, operator: str, changed: str) -> Mutant:
+    def _mutant(self, node: Node, place: Spot, operator: str, changed: str) -> Mutant:
         statement = " ".join(place.statement.text(self.source).split())
         copy = self.statements.setdefault(place.statement.start, self._copy(statement))
         where = str(node.start - place.statement.start)
@@ -122,24 +122,24 @@ class Finder:
         self.seen[statement,] += 1
         return self.seen[statement,] - 1
 
-    def _nodes(self, node: Node, place: Place) -> Iterator[tuple[Node, Place]]:
+    def _nodes(self, node: Node, place: Spot) -> Iterator[tuple[Node, Spot]]:
         """Nodes that may be changed, with their places."""
         if node.tag in SKIPPED or (node.tag == "kFunctionDeclaration" and self._name(node) in self.constant):
             return
         if node.tag == "kAlwaysStatement":
-            place = Place(node, clocked=node.children[0].tag == "always_ff", body=True)
+            place = Spot(node, clocked=node.children[0].tag == "always_ff", body=True)
         elif node.tag == "kFunctionDeclaration":
-            place = Place(node, body=True)
+            place = Spot(node, body=True)
         elif node.tag == "kRegisterVariable" and not place.body:
             return
         if node.tag in STATEMENTS:
-            place = Place(node, place.clocked, place.body, place.reset)
+            place = Spot(node, place.clocked, place.body, place.reset)
         yield node, place
         for child in self._open(node):
             inner = place
             if node.tag == "kIfClause" and child.tag == "kIfBody":
                 header = " ".join(node.children[0].text(self.source).split())
-                inner = Place(place.statement, place.clocked, place.body,
+                inner = Spot(place.statement, place.clocked, place.body,
                               place.reset or bool(re.fullmatch(r"if \((rst_\w+|\w+_rst\w*)\)", header)))
             yield from self._nodes(child, inner)
 
