@@ -229,3 +229,15 @@ def test_jobs_fit_their_registers(name: str) -> None:
     for value in (-1, top + 1):
         with pytest.raises(ValueError, match=f"{name} is {value}: must lie in 0..{top}"):
             replace(GOOD, **{name: value})  # type: ignore[arg-type]
+
+
+def test_limits_of_arguments() -> None:
+    plain = Job(0, 10, 10, 16, 8, 1, 5, 6, 20, 10)
+    assert (plain.tag, plain.surface) == (0, False)
+    for change in ({"tpl_x": 40}, {"tpl_y": 30}, {"search_y": 30}):
+        with pytest.raises(ValueError, match="reaches outside"):
+            surface(random_plane(1), random_plane(2), replace(GOOD, **change))  # type: ignore[arg-type]
+    assert len(grid(GOOD, (1023, 1), (1023, 0))) == len(grid(GOOD, (1, 1023), (0, 1023))) == 1023
+    for count, step in (((1024, 1), (0, 0)), ((1, 0), (0, 0)), ((1, 1), (1024, 0)), ((1, 1), (0, -1))):
+        with pytest.raises(ValueError, match="counts must lie"):
+            grid(GOOD, count, step)

@@ -147,8 +147,9 @@ def test_reason_for_no_mutant(tiny: Path) -> None:
     assert reasons.unknown(reasons.load(), [m.name for module in plan.TESTS for m in plan.possible(module)]) == []
 
 
-def test_broken_fifo_is_found_and_mutant_0_is_not() -> None:
+def test_broken_fifo_is_found_and_mutant_0_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One build of the smallest queue: its tests pass at mutant 0, on which `run_module` insists, and kill another."""
+    monkeypatch.setattr(run, "FOLDER", tmp_path)  # nothing is known yet
     call = Call("slog_fifo", "cocotb_tests.cells.test_fifo", {"Width": 1, "Depth": 1})
     outcomes = run.run_module("slog_fifo", plan.listed("slog_fifo")[:1], [call], print)
     [outcome] = outcomes.values()
