@@ -194,7 +194,7 @@ class Measurer:
             BoardError: if the board was configured again.
         """
         self._check_own(view)
-        return self._likeness([(view, window) for window in windows]).tolist()
+        return list(map(float, self._likeness([(view, window) for window in windows])))
 
     def _likeness(self, windows: Sequence[Window]) -> Floats:
         """As `likeness`, of windows of any views; a view keeps what was measured."""
