@@ -25,19 +25,24 @@ struct Tables {
 };
 alignas(64) static constexpr Tables Lookup;
 
+// Eight pixels, from bit `at` of `bits` on, each with the three to its right, as bytes.
+static inline Word nibbles_at(Word bits, int at) {
+  return Spreads.bytes[bits >> at & 255] | Spreads.bytes[bits >> (at + 1) & 255] << 1 |
+         Spreads.bytes[bits >> (at + 2) & 255] << 2 | Spreads.bytes[bits >> (at + 3) & 255] << 3;
+}
+
 static void load_nibbles(const Task &task, int blocks) {
-  const int needed = task.nx + task.width - 1, last = 64 * (task.pitch - 1);
-  const int bytes = 32 * blocks + task.width + 3 < task.span ? 32 * blocks + task.width + 3 : task.span;
+  const int bytes = 32 * blocks + task.width + 3, end = 64 * (task.pitch - 1) - task.search_x;
   for (int r = 0; r < task.searched(); ++r) {
-    alignas(64) std::uint8_t pixel[1024 + 256];
+    const Word *row = task.search + r * task.pitch;
     std::uint8_t *out = task.nibbles + r * task.span;
-    for (int x = 0; x < bytes + 3; x += 64) {
-      const bool held = x < needed && task.search_x + x < last;
-      const Word bits = held ? bits_at(task.search + r * task.pitch, task.search_x + x) : 0;
-      for (int i = 0; i < 8; ++i) std::memcpy(pixel + x + 8 * i, &Spreads.bytes[bits >> (8 * i) & 255], 8);
+    for (int x = 0; x < bytes; x += 48) {  // 64 bits hold the nibbles of 61 pixels
+      const Word bits = x < end ? bits_at(row, task.search_x + x) : 0;
+      for (int i = 0; i < 48; i += 8) {
+        const Word eight = nibbles_at(bits, i);
+        std::memcpy(out + x + i, &eight, 8);
+      }
     }
-    for (int x = 0; x < bytes; ++x)
-      out[x] = (std::uint8_t)(pixel[x] | pixel[x + 1] << 1 | pixel[x + 2] << 2 | pixel[x + 3] << 3);
   }
 }
 

@@ -129,7 +129,7 @@ static bool prepare(Task &task, Scratch &scratch) {
   std::size_t tables = 0, nibbles = 0;
 #ifdef SLOG_NIBBLES
   tables = (height + 2 * Spare) * task.pieces() * 16;
-  task.span = (task.nx + task.width + 3 + 63) / 64 * 64 + 64;
+  task.span = ((task.nx + 31) / 32 * 32 + task.width + 3 + 47) / 48 * 48;
   nibbles = searched * task.span + 64;
 #endif
   std::uint8_t *at = (std::uint8_t *)scratch.take(column + rows + tables + nibbles + 2 * (offsets + task.ny));

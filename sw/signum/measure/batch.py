@@ -15,7 +15,7 @@ from golden.correlate import CHANCE_DEVIATION, Status
 from golden.params import NO_SCORE
 from golden.tables import JOB_FIELDS, SCORES, IntTable
 from signum.common.arrays import Floats
-from signum.measure.subpixel import CONE_FROM, PeakFit, line_offset, peak_offsets
+from signum.measure.subpixel import CONE_FROM, PeakFit, line_offsets, peak_offsets
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -116,10 +116,11 @@ def _offsets(scores: Floats, area: Floats, ok: Flags, fit: PeakFit) -> Floats:
     whole = ok & (patches != NO_SCORE).all(axis=1)
     offsets = np.zeros((len(scores), 2))
     offsets[whole] = peak_offsets(patches[whole].reshape(-1, 3, 3), area[whole], fit)
-    for i in np.flatnonzero(ok & ~whole):
-        sharp = fit == "cone" or (fit == "auto" and scores[i, 0] / area[i] >= CONE_FROM)
-        for axis, (before, after) in enumerate(((3, 5), (1, 7))):
-            if NO_SCORE not in patches[i, [before, after]]:
-                low, mid, high = (patches[i, [before, 4, after]] / area[i]).tolist()
-                offsets[i, axis] = line_offset(low, mid, high, "cone" if sharp else "parabola")
+    rest = np.flatnonzero(ok & ~whole)
+    before, after = patches[rest][:, [3, 1]], patches[rest][:, [5, 7]]
+    size = area[rest, None]
+    best = np.broadcast_to(scores[rest, :1] / size, before.shape)
+    sharp = np.full(best.shape, fit == "cone") if fit != "auto" else best >= CONE_FROM
+    along = line_offsets(before / size, best, after / size, sharp)
+    offsets[rest] = np.where((before != NO_SCORE) & (after != NO_SCORE), along, 0.0)
     return offsets

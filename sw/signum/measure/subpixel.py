@@ -55,10 +55,11 @@ def peak_offsets(patches: NDArray[np.generic], area: Floats | float, fit: PeakFi
     return out
 
 
-def line_offset(before: float, best: float, after: float, fit: Literal["cone", "parabola"]) -> float:
-    """Offset of a peak along one line from three scores, for searches one offset high or wide; within +-0.5."""
-    drop = best - min(before, after) if fit == "cone" else 2 * best - before - after
-    return 0.5 * (after - before) / drop if drop > 0 else 0.0
+def line_offsets(before: Floats, best: Floats, after: Floats, sharp: NDArray[np.bool_]) -> Floats:
+    """Offsets of peaks along lines from three scores each, for searches one offset high or wide, and at the border;
+    within +-0.5. All arrays have one shape; `sharp` peaks are cones, others parabolas."""
+    drop = np.where(sharp, best - np.minimum(before, after), 2 * best - before - after)
+    return np.asarray(0.5 * (after - before) / np.where(drop > 0, drop, np.inf))
 
 
 def _paraboloid(scores: Floats) -> Floats:
