@@ -56,6 +56,10 @@ crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill t
 endurance: setup ## Memory and time a frame over 2,000 frames of mosaic and 10,000 of track and hold
 	@PYTHONPATH=sw $(PY) -m tests.endurance
 
+.PHONY: speed
+speed: setup ## Searches of the golden board against OpenCV; frames a second of flow, hold and mosaic on one core, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.speed
+
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
 	@$(PY) -m ruff check .

@@ -55,6 +55,9 @@ inline Word bits_at(const Word *row, int x) {
   return word[0] >> shift | word[1] << 1 << (63 - shift);
 }
 
+// A short loop over an array of vectors: only unrolled does the compiler keep them in registers.
+#define SLOG_EACH(index, count) _Pragma("GCC unroll 4") for (int index = 0; index < count; ++index)
+
 // The lowest `count` bits, 1..64.
 inline Word low_bits(int count) { return ~Word{0} >> (64 - count); }
 

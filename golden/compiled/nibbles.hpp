@@ -59,8 +59,7 @@ static void load_tables(const Task &task) {
 }
 
 // Mismatches of `Down` rows of offsets from y on, in `Across` times 32 columns from x on. Sums are bytes until they might
-// overflow. Only unrolled does the compiler keep them in registers.
-#define SLOG_EACH(index, count) _Pragma("GCC unroll 4") for (int index = 0; index < count; ++index)
+// overflow.
 template <int Down, int Across>
 static void sweep(const Task &task, int x, int y) {
   const int pieces = task.pieces(), most = 255 / task.width, last = task.height + Down - 2;
@@ -92,7 +91,6 @@ static void sweep(const Task &task, int x, int y) {
   for (int d = 0; d < Down; ++d)
     std::memcpy(task.mismatch + (y + d) * task.nx + x, total[d], (std::size_t)columns * 2);
 }
-#undef SLOG_EACH
 
 template <int Across>
 static void sweep_down(const Task &task, int x) {

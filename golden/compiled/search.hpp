@@ -45,10 +45,12 @@ static void count_rows(const Task &task, int x, int y) {
   for (int k = 0; k < task.words; ++k) {
     const Word *column = task.column + k * (task.searched() + 8) + y, *rows = task.rows + k * task.height;
     for (int t = 0; t < task.height; ++t)
-      for (int b = 0; b < Blocks; ++b) add_counts(sum[b], *(const Octet *)(column + t + 8 * b), rows[t]);
+      SLOG_EACH(b, Blocks) add_counts(sum[b], *(const Octet *)(column + t + 8 * b), rows[t]);
   }
+  Word counts[8 * Blocks];
+  SLOG_EACH(b, Blocks) *(Octet *)(counts + 8 * b) = sum[b];
   for (int i = 0; i < 8 * Blocks && y + i < task.ny; ++i)
-    task.mismatch[(y + i) * task.nx + x] = (std::uint16_t)sum[i / 8][i % 8];
+    task.mismatch[(y + i) * task.nx + x] = (std::uint16_t)counts[i];
 }
 
 static void count_column_by_rows(const Task &task, int x) {
