@@ -38,7 +38,7 @@ SIZE = (640, 480)
 OVER_OPENCV = {"avx2": 0.8, "avx512": 1.0}
 """Least searches a second over those of `matchTemplate`, TM_CCORR."""
 FRAMES_A_SECOND = {"flow": 20.0, "hold": 25.0, "mosaic": 5.0}
-ONE_CORE = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")}
+ONE_CORE = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1")
 
 
 def processor() -> str:
@@ -105,9 +105,9 @@ def video(path: Path, frames: int, swing: float) -> None:
 
 
 def snapshots(folder: Path, count: int) -> None:
-    """Pictures of a survey in lanes of ten, overlapping by two thirds along and by half across."""
+    """Pictures of a survey in lanes of ten, overlapping by 60 % along and 35 % across."""
     folder.mkdir()
-    along, across = 220, 240
+    along, across = 256, 312
     ground = floor(SIZE[1] + across * (-(-count // 10) + 1), SIZE[0] + along * 10)
     for n in range(count):
         lane, step = divmod(n, 10)
