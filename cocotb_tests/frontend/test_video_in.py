@@ -130,8 +130,8 @@ async def cut_by_frames_of_one_beat(dut, frames: int) -> None:
 async def aborts_at_any_time(dut, source: str) -> None:
     """Aborts in and between frames, good and bad: each frame that is begun to be output is either done or aborted.
 
-    What becomes of the good frames is not left to chance: they pass, are aborted before or after their output begins, or
-    an abort follows them, in turn. Bad frames are aborted or not.
+    What becomes of the good frames is not left to chance: in turn they pass, are aborted before or after their output
+    begins, or are followed by an abort. Bad frames are aborted or not.
     """
     rng = random.Random(cocotb.RANDOM_SEED)
     items = [stray(rng, 30)]
@@ -148,8 +148,9 @@ async def aborts_at_any_time(dut, source: str) -> None:
         in_frames += i["abort_i"] and out["busy_o"]
         for name in counts:
             counts[name] += out[name] or 0
-        if i["tvalid_i"] and i["tuser_i"] and out["tready_o"]:  # each item but the stray pixels has one start of frame
-            plan = (rng.choice(("pass", "early")) if starts % 2 else ("pass", "early", "late", "after")[starts // 2 % 4])
+        if i["tvalid_i"] and i["tuser_i"] and out["tready_o"]:  # one start of frame in each item but the stray pixels
+            good_plan = ("pass", "early", "late", "after")[starts // 2 % 4]
+            plan = rng.choice(("pass", "early")) if starts % 2 else good_plan
             starts += 1
             due = clock + rng.randrange(150) if plan == "early" else -1
         elif (plan == "late" and out["px_start_o"]) or (plan == "after" and out["accepted_o"]):

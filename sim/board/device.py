@@ -15,6 +15,7 @@ from sim.board.build import build
 from sim.board.driver import SLACK, DeviceError, DeviceTimeout, RegisterDriver
 from sim.board.library import BOARD, SURFACE_BROKEN, load
 from sim.board.structs import Accesses
+from sim.coverage.record import points_file
 
 __all__ = ["Accesses", "Beats", "Device", "DeviceError", "DeviceTimeout", "frame_beats"]
 
@@ -59,6 +60,9 @@ class Device(RegisterDriver):
     def close(self) -> None:
         """Free the simulation and finish its wave dump."""
         if self._board is not None:
+            points = points_file(f"board-{self.config.name}")
+            if points:
+                self._lib.slog_coverage(self._board, str(points).encode())
             self._lib.slog_free(self._board)
             self._board = None
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functional coverage: what the regression must meet is listed in `functional.toml`, group by group, and the tests count
-it (`sim.coverage.record.met`). Stalls are counted for every handshake of every module by the checker of the test
-benches."""
+"""Functional coverage: `functional.toml` lists what the regression must meet, and the tests count it
+(`sim.coverage.record.met`). Stalls are counted for every handshake of every module by the test benches' checker."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Before a cocotb simulation begins: the clock is low and the reset asserted, whatever the power-up seed says.
 
-Without this the first evaluation may see a rising edge of the clock and no reset, as both inputs are random at power-up like
-everything else; assertions would then be evaluated on random registers before a test can drive anything.
+Without this the first evaluation may see a rising edge of the clock and no reset, as both inputs are random at power-up
+like everything else; assertions would then be evaluated on random registers before a test can drive anything.
 """
 
 from __future__ import annotations

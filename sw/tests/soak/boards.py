@@ -56,7 +56,8 @@ class Boards(Part):
         return met
 
 
-def _operation(rng: random.Random, config: Config, size: tuple[int, int], tag: int) -> tuple[Operation, tuple[int, int]]:
+def _operation(rng: random.Random, config: Config, size: tuple[int, int],
+               tag: int) -> tuple[Operation, tuple[int, int]]:
     """An operation, and the image size after it if it is the first of its kind."""
     kind = rng.choices(("configure", "capture", "plane", "submit", "grid", "collect", "surface", "counters"),
                        (8, 20, 10, 30, 8, 15, 6, 3))[0]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Abuse of the register bus: its five channels in their own time, any address, unaligned and unmapped ones too, any
-strobes, stalled responses. Each access is answered once, stored registers hold what was written, and the board works."""
+"""Abuse of the register bus: its five channels in their own time, unaligned and unmapped addresses, any strobes,
+stalled responses. Each access is answered once, stored registers hold what was written, and the board works afterwards.
+"""
 
 from __future__ import annotations
 
@@ -109,8 +110,9 @@ def _abuse(device: Device, o: Operation, met: Counter[str]) -> None:
             raise Difference("register", f"access {number}: {where:#x} holds {int(access['value']):#x}, expected "
                                          f"{held[where]:#x}")
     for where, value in held.items():
-        if device.read_word(where) != value:
-            raise Difference("register", f"{where:#x} holds {device.read_word(where):#x} in the end, expected {value:#x}")
+        seen = device.read_word(where)
+        if seen != value:
+            raise Difference("register", f"{where:#x} holds {seen:#x} in the end, expected {value:#x}")
 
 
 def _work(device: Device, config: Config, o: Operation) -> None:

@@ -91,22 +91,23 @@ class Part(ABC):
 
 
 def texture(size: tuple[int, int], seed: int) -> Image:
-    """A picture of `size` (width, height): noise of full or of highest contrast, one grey (all responses 0), patches, or
-    a ramp; uint8 (height, width)."""
+    """A picture of `size` (width, height), uint8 (height, width): noise of full or of highest contrast, one grey (all
+    responses 0), patches, or a ramp."""
     width, height = size
     source = np.random.default_rng(seed)
     kind = seed % 5
     if kind == 0:
         return source.integers(0, 256, (height, width), dtype=np.uint8)
     if kind == 1:
-        return source.integers(0, 2, (height, width), dtype=np.uint8) * np.uint8(255)
+        return (source.integers(0, 2, (height, width), dtype=np.uint8) * 255).astype(np.uint8)
     if kind == 2:
         return np.full((height, width), seed % 256, np.uint8)
     if kind == 3:
         patches = source.integers(0, 256, (-(-height // 6), -(-width // 6)), dtype=np.uint8)
         return np.ascontiguousarray(np.kron(patches, np.ones((6, 6), np.uint8))[:height, :width])
     y, x = np.mgrid[:height, :width]
-    return ((x * source.integers(5) + y * source.integers(5)) % 256).astype(np.uint8)
+    ramp: Image = ((x * source.integers(5) + y * source.integers(5)) % 256).astype(np.uint8)
+    return ramp
 
 
 def extreme(rng: random.Random, low: int, high: int) -> int:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Captures that race searches: jobs are submitted on a slot at any moment of a capture into it. Each result must be of the
-frame before, of the new one, or refused, never of a mixture; the slot must hold the new frame in the end."""
+"""Captures that race searches: jobs are submitted on a slot at any moment of a capture into it. Each result must be of
+the frame before, of the new one, or refused, never of a mixture; the slot must hold the new frame in the end."""
 
 from __future__ import annotations
 

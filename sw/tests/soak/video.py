@@ -155,10 +155,12 @@ class _Cameras:
         count = int(rng.integers(1, 400))
         if kind == "noise":
             marks = (rng.random((2, count)) < 0.1).astype(np.uint16)
-            return (rng.integers(0, 256, count, np.uint16) | marks[0] << 8 | marks[1] << 9).astype(np.uint16)
+            noise: Beats = (rng.integers(0, 256, count, np.uint16) | marks[0] << 8 | marks[1] << 9).astype(np.uint16)
+            return noise
         if kind == "starts":
             return rng.integers(0, 256, count % 60 + 1, np.uint16) | np.uint16(1 << 8)
-        return np.array([data | user << 8 | last << 9 for data, user, last in self._item(kind, number).beats], np.uint16)
+        beats = self._item(kind, number).beats
+        return np.array([data | user << 8 | last << 9 for data, user, last in beats], np.uint16)
 
     def _part(self, o: Operation) -> Beats:
         beats = self._beats("good", o["seed"])
