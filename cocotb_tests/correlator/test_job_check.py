@@ -15,10 +15,12 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import FULL
 from golden.structs import JOB, pack_job
 from golden.traffic.jobs import acceptable, mixed
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 VALID = [True, False, True, True, False, True, True, True]
 """Slots that `slot_valid_i` names: among them 6 and 7, which the board does not have."""
+COORDINATES = "tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y"
 
 
 def _far() -> list[Job]:
@@ -77,6 +79,10 @@ async def every_clock(dut, resets: bool) -> None:
             seen[Status(out["status_o"])] += 1
 
     await check_cycles(dut, JobCheckModel(config), _jobs(rng, jobs, size, resets), count)
+    met("job statuses", {status.name: count for status, count in seen.items()})
+    fields = [JOB.unpack(job) for job in jobs]
+    met("extreme coordinates", {f"{name} {extreme}": sum(job[name] == extreme for job in fields)
+                                for name in COORDINATES for extreme in (0, COORDINATE_MAX)})
     assert sum(seen.values()) == len(jobs)
     assert all(seen[s] >= 5 for s in Status)
 

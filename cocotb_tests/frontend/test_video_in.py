@@ -12,6 +12,7 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
 from golden.traffic.stalls import SHAPES, ready_pattern
 from golden.traffic.video import BAD_KINDS, Beat, bad, good, play, stray, texture
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 WIDTH, HEIGHT = 19, 18
@@ -33,6 +34,7 @@ async def every_clock(dut, source: str, held: bool) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
+    met("video", {f"{kind}, source {source}{', held' if held else ''}": 1 for kind in kinds})
     hold = ready_pattern("long", rng) if held else None
     settings = {"width_i": WIDTH, "height_i": HEIGHT}
     await check_cycles(dut, VideoInModel(params()["Radius"]),
@@ -160,6 +162,7 @@ async def aborts_at_any_time(dut, source: str) -> None:
     await check_cycles(dut, VideoInModel(params()["Radius"]),
                        play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern(source, rng), rng, gap=40,
                             abort=aborts), count)
+    met("video", {"abort in a frame": in_frames, "abort of a frame being output": counts["px_abort_o"]})
     assert in_frames >= 6 and counts["px_abort_o"] >= 3
     assert counts["dropped_o"] >= 6 + len(BAD_KINDS)
     assert counts["px_done_o"] == counts["accepted_o"] >= 2

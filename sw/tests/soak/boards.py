@@ -38,8 +38,14 @@ class Boards(Part):
         for slot in range(3):
             drawn.append({"do": "capture", "slots": [slot], "camera": slot % 2, "seeds": [seed(rng)]})
         for tag in range(LENGTH[config.name]):
-            operation, size = _operation(rng, config, size, 64 * tag)
+            operation, new_size = _operation(rng, config, size, 64 * tag)
+            if operation["do"] == "configure" and rng.random() < 0.7:
+                drawn.append({"do": "collect", "count": 1 << 20})
             drawn.append(operation)
+            if new_size != size and rng.random() < 0.8:
+                drawn += [{"do": "capture", "slots": [slot], "camera": slot % 2, "seeds": [seed(rng)]}
+                          for slot in range(3)]
+            size = new_size
         return drawn
 
     def play(self, case: Case) -> Counter[str]:

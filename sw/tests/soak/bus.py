@@ -82,8 +82,10 @@ def _drawn(rng: random.Random, o: Operation, met: Counter[str]) -> Accesses:
         kind = "write" if write else "read"
         met[f"unaligned {kind}"] += bool(where & 3)
         met[f"{kind} of no register"] += where & 0xFC not in mapped
-        met[f"{kind} with strobes {strobes}"] += write
-        met["address before data" if waits[0] < waits[1] else "data before address"] += write and waits[0] != waits[1]
+        if write:
+            met[f"strobes {strobes}"] += 1
+            met["address before data"] += waits[0] < waits[1]
+            met["data before address"] += waits[0] > waits[1]
     return accesses
 
 
