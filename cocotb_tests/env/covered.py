@@ -7,26 +7,21 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from golden.cycle.model import Inputs
-
-FEW, MANY = 2, 8
-"""Least clocks of a short and of a long stall."""
-SHAPES = ("taken at once", "stalled for a clock", f"stalled for {FEW} to {MANY - 1} clocks",
-          f"stalled for {MANY} clocks or more", "taken in consecutive clocks", "ready without valid")
-"""What a handshake can do, each of which the regression must have met: see `sim/coverage/functional.toml`."""
+from sim.coverage.functional import FEW, MANY, STALLS
 
 
 class Stalls:
-    """Counts SHAPES for each pair of valid and ready among the names of a module's ports.
+    """Counts STALLS for each pair of valid and ready among the names of a module's ports.
 
     Attributes:
-        counts: by "interface: shape"; the interface is the name of its valid.
+        counts: by "interface: stall"; the interface is the name of its valid.
     """
 
     def __init__(self, names: Iterable[str]) -> None:
         names = set(names)
         pairs = ((name, _partner(name)) for name in sorted(names) if "valid" in name)
         self.pairs = [(valid, ready) for valid, ready in pairs if ready in names]
-        self.counts = Counter({f"{valid}: {shape}": 0 for valid, _ in self.pairs for shape in SHAPES})
+        self.counts = Counter({f"{valid}: {shape}": 0 for valid, _ in self.pairs for shape in STALLS})
         self._waited: Counter[tuple[str, int]] = Counter()
         self._moved: set[tuple[str, int]] = set()
 
@@ -43,11 +38,11 @@ class Stalls:
             for bit in range(max(offers | takes, 1).bit_length()):
                 key, offered, taken = (valid, bit), offers >> bit & 1, takes >> bit & 1
                 if taken and not offered:
-                    self.counts[f"{valid}: {SHAPES[5]}"] += 1
+                    self.counts[f"{valid}: {STALLS[5]}"] += 1
                 elif taken:
                     waited = self._waited.pop(key, 0)
-                    self.counts[f"{valid}: {SHAPES[(waited > 0) + (waited >= FEW) + (waited >= MANY)]}"] += 1
-                    self.counts[f"{valid}: {SHAPES[4]}"] += key in self._moved
+                    self.counts[f"{valid}: {STALLS[(waited > 0) + (waited >= FEW) + (waited >= MANY)]}"] += 1
+                    self.counts[f"{valid}: {STALLS[4]}"] += key in self._moved
                     moved.add(key)
                 elif offered:
                     self._waited[key] += 1

@@ -12,6 +12,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 FILE = Path(__file__).with_name("functional.toml")
+FEW, MANY = 2, 8
+"""Least clocks of a short and of a long stall."""
+STALLS = ("taken at once", "stalled for a clock", f"stalled for {FEW} to {MANY - 1} clocks",
+          f"stalled for {MANY} clocks or more", "taken in consecutive clocks", "ready without valid")
+"""What a handshake can do."""
 
 
 @dataclass
@@ -46,10 +51,15 @@ def collected(records: Iterable[Path]) -> Functional:
 def plan(file: Path = FILE) -> dict[tuple[str, str], str]:
     """What must be met, by (group, what), and why it may be missing: empty for what must be there.
 
-    Each group of the file is a table with `must`, a list, and perhaps `cannot`, a table of reasons.
+    Each group of the file is a table: `must` lists what must be met, `numbered` does so for phrases with a number in
+    them, as `phrase = count`, and `interfaces` lists the valids of handshakes, which must meet all STALLS. `cannot`
+    gives the reason for what cannot be met.
     """
     wanted: dict[tuple[str, str], str] = {}
     for group, entry in tomllib.loads(file.read_text()).items():
-        wanted |= {(group, what): "" for what in entry["must"]}
+        listed = list(entry.get("must", []))
+        listed += [phrase.format(n) for phrase, count in entry.get("numbered", {}).items() for n in range(count)]
+        listed += [f"{valid}: {stall}" for valid in entry.get("interfaces", []) for stall in STALLS]
+        wanted |= {(group, what): "" for what in listed}
         wanted |= {(group, what): reason for what, reason in entry.get("cannot", {}).items()}
     return wanted

@@ -79,7 +79,7 @@ class Campaign:
         parts: names in PARTS.
         config: plays this configuration only; None for the parts' own.
         cases: played, by part and configuration.
-        met: what they met, by part.
+        met: what they met, by part and configuration.
     """
 
     seed: int
@@ -143,7 +143,7 @@ class Campaign:
             if difference:
                 return case, difference
             self.cases[f"{case.part} {case.config}"] += 1
-            self.met.setdefault(case.part, Counter()).update(counts)
+            self.met.setdefault(f"{case.part} {case.config}", Counter()).update(counts)
         late = [case for case, begun in playing.values() if time.monotonic() - begun > LONGEST]
         return (late[0], Difference("hang", f"no end after {LONGEST:.0f} s")) if late else None
 
