@@ -5,7 +5,7 @@ PYTHON     ?= python3
 CONFIG     ?= full
 JOBS       ?= 2
 BOARD      ?= golden
-MINUTES    ?= 10
+MINUTES    ?= $(if $(filter soak,$(MAKECMDGOALS)),60,10)
 CRASHES    ?= 48
 VENV       := .venv
 PY         := $(VENV)/bin/python
@@ -47,6 +47,14 @@ test: setup ## Every test, on two cores (JOBS=n for others): out/junit.xml
 .PHONY: fuzz
 fuzz: setup ## Damaged inputs of every kind through the commands, counted by outcome: out/fuzz/failures (MINUTES=10; SEED=n repeats)
 	@PYTHONPATH=sw $(PY) -m tests.fuzz --minutes $(MINUTES) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
+
+.PHONY: soak
+soak: $(VENV)/.installed ## Verilated board with assertions against the frame level, new seeds and power-up states: out/soak (MINUTES=60; SEED=n; REPLAY=file)
+	@PYTHONPATH=sw $(PY) -m tests.soak --jobs $(JOBS) $(if $(REPLAY),--replay $(REPLAY),--minutes $(MINUTES)) $(if $(SEED),--seed $(SEED))
+
+.PHONY: coverage
+coverage: $(VENV)/.installed ## Line, branch, toggle and functional coverage of the RTL by its regression, held to the bars: out/coverage/index.html
+	@$(PY) -m sim.coverage --jobs $(JOBS)
 
 .PHONY: crash
 crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill the disk, remove the folder; compare bytes (SEED=n)
