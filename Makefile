@@ -94,6 +94,10 @@ synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.j
 formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
 	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
 
+.PHONY: gates
+gates: $(VENV)/.synth ## Modules and the board tiny as netlists of ECP5 cells under their own tests: out/gates/report.json (MODULES="fifo peak": only these)
+	@$(PY) -m sim.gates --jobs $(JOBS) $(MODULES)
+
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
 	@$(PY) -m sim.speed
