@@ -98,6 +98,10 @@ formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take l
 gates: $(VENV)/.synth ## Modules and the board tiny as netlists of ECP5 cells under their own tests: out/gates/report.json (MODULES="fifo peak": only these)
 	@$(PY) -m sim.gates --jobs $(JOBS) $(MODULES)
 
+.PHONY: mutate
+mutate: $(VENV)/.synth ## Mutants of the RTL against their modules' tests (SAMPLE=30: only as many; MODULES="fifo grid"; GOLDEN=1: of the golden model)
+	@$(PY) -m $(if $(GOLDEN),sim.mutate.golden,sim.mutate --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE)) $(MODULES))
+
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json
 	@$(PY) -m sim.speed

@@ -93,10 +93,10 @@ def simulate(
     if os.environ.get("SIGNUM_GATES"):  # the netlist instead of the RTL: see sim.gates
         from sim.gates.netlist import files as gates  # loads the synthesis flow, whose tools not everybody has
 
-        folder = _build(runner, top, gates(top, config, params, macros), {}, {}, ports)
+        folder = build(runner, top, gates(top, config, params, macros), {}, {}, ports)
     else:
         files = [(replaced or {}).get(path.stem, path) for path in sources_of(top, config, ecp5)]
-        folder = _build(runner, top, files, params, macros, ports)
+        folder = build(runner, top, files, params, macros, ports)
     return _run(runner, top, folder, test_module, params, dict(env or {}), testcase)
 
 
@@ -104,10 +104,20 @@ def _waves() -> bool:
     return os.environ.get("WAVES") == "1"
 
 
-def _build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
-           ports: Sequence[str]) -> Path:
-    """Build the simulator of `top`, if it is not current; returns its folder."""
-    build_args = [*BUILD_ARGS, *(trace_args() if _waves() else []), *coverage_args()]
+def build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
+           ports: Sequence[str], more_args: Sequence[str] = ()) -> Path:
+    """Build the simulator of `top`, if it is not current; returns its folder.
+
+    Args:
+        runner: cocotb's runner.
+        top: module to simulate.
+        files: sources, packages first.
+        params: parameters of `top`.
+        macros: for the preprocessor.
+        ports: name patterns of `top`'s ports.
+        more_args: further arguments of Verilator.
+    """
+    build_args = [*BUILD_ARGS, *more_args, *(trace_args() if _waves() else []), *coverage_args()]
     made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],
                        [*files, *headers(), START])
     folder = BUILD / "cocotb" / f"{top}-{made_from[:16]}"
