@@ -75,9 +75,13 @@ def tables_page() -> str:
     for name, columns, text in schemas():
         file, _, rest = text.partition(":")
         heading = file if file.startswith("`") and "\n" not in file and len(file) < 70 else f"Columns `{name}`"
-        parts += [f"## {heading}", (rest if heading == file else text).strip(), "| Column | Unit |\n| --- | --- |\n"
+        parts += [f"## {heading}", _sentence(rest if heading == file else text), "| Column | Unit |\n| --- | --- |\n"
                   + "\n".join(f"| `{c}` | {unit(name, c)} |" for c in columns)]
     return "\n\n".join(parts) + "\n"
+
+
+def _sentence(text: str) -> str:
+    return text.strip()[:1].upper() + text.strip()[1:]
 
 
 def commands_page() -> str:

@@ -121,7 +121,7 @@ class Board(ABC):
 
         Args:
             size: width and height of a frame, pixels.
-            sigma: width of the LoG's Gaussian, pixels, MIN_SIGMA..MAX_SIGMA.
+            sigma: width of the LoG's Gaussian, pixels, 1 to 4.
 
         Raises:
             BoardError: if the size is outside the build's smallest and largest image or changes while results are
