@@ -7,6 +7,7 @@ libraries that a host needs.
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -19,6 +20,7 @@ import pytest
 from golden import log
 from golden.params import TINY
 from signum.common.version import VERSION
+from sim.lint.tree import project_files
 from sim.toolchain import ROOT, RTL
 
 TOOLS = ("cocotb", "cocotb_tools", "cocotb_tests", "hypothesis", "mypy", "pytest", "ruff")
@@ -46,12 +48,10 @@ assert signum.__file__.startswith({wheel!r}), signum.__file__
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built wheel."""
     tree, out = tmp_path_factory.mktemp("tree"), tmp_path_factory.mktemp("wheel")
-    files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    for name in filter(None, files.split("\0")):
-        if (ROOT / name).is_file():
-            copy = tree / name
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes((ROOT / name).read_bytes())
+    for path in project_files():
+        copy = tree / path.relative_to(ROOT)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(path.read_bytes())
     subprocess.run([sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--no-index",
                     "--disable-pip-version-check", "-w", out, tree], check=True, capture_output=True)
     (built,) = out.glob("*.whl")
@@ -88,9 +88,10 @@ def test_one_version() -> None:
     (released, *_) = re.findall(r"^## (\d+\.\d+\.\d+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
     (cited,) = re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
     assert released == cited == VERSION
-    tags = subprocess.run(["git", "tag", "--points-at", "HEAD", "v*"], cwd=ROOT, capture_output=True, text=True,
-                          check=False).stdout.split()
-    assert tags in ([], [f"v{VERSION}"])
+    if shutil.which("git"):  # else there are no tags to compare
+        tags = subprocess.run(["git", "tag", "--points-at", "HEAD", "v*"], cwd=ROOT, capture_output=True, text=True,
+                              check=False).stdout.split()
+        assert tags in ([], [f"v{VERSION}"])
 
 
 def test_the_wheel_holds_the_rtl_and_no_tests(wheel: Path) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.board import build
 from signum import TINY, BoardError, open_board
+from sim.board import build
 
 TOOLS = "g++", "make", "perl"
 
