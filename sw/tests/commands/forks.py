@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import gc
 import json
 import os
 import resource
@@ -43,6 +44,7 @@ def main() -> None:
     app = typer.main.get_command(application())
     with contextlib.suppress(SystemExit), open(os.devnull, "w") as sink, contextlib.redirect_stderr(sink):
         app(["filter", "", "--out", ""])  # loads what parsing needs
+    gc.freeze()  # else a collection in a child copies all that is shared with it
     for line in sys.stdin:
         print(json.dumps(_serve(app, json.loads(line))), flush=True)
 
