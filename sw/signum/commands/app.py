@@ -78,7 +78,7 @@ def _checked(function: Callable[..., None]) -> Callable[..., None]:
         if OUTPUT in values and not str(values[OUTPUT]).isprintable():
             raise SignumError(f"--out {values[OUTPUT]}: expected a folder's name in UTF-8 without control characters")
         if isinstance(output := values.get(OUTPUT), Path):
-            check_inputs(output, function.__name__, {k: v for k, v in values.items() if k != OUTPUT})
+            check_inputs(output, function.__name__.rstrip("_"), {k: v for k, v in values.items() if k != OUTPUT})
         with megapixels(largest):
             function(**values)
 
