@@ -165,6 +165,11 @@ def test_a_record_that_is_no_file_is_named(source: Path, tmp_path: Path) -> None
     assert "run-flow.jsonl: not a file" in _line(_run("flow", source, "--window", "32", "--out", out))
 
 
+def test_a_code_without_coordinates_is_refused(source: Path, tmp_path: Path) -> None:
+    assert "--epsg is of the coordinates in a --navigation log" in _line(
+        _run("mosaic", source, "--window", "32", "--out", tmp_path / "o", "--epsg", "32755"))
+
+
 def test_an_empty_name_is_no_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As of a variable of the shell that is not set: not the folder that one is in."""
     monkeypatch.chdir(tmp_path)
