@@ -205,8 +205,8 @@ def on_files(files: Any, config: Any) -> Any:
 
     for path, text in (("reference/tables.md", tables_page()), ("reference/commands.md", commands_page())):
         files.append(File.generated(config, path, content=text))
-    subprocess.run([sys.executable, "-m", "peakrdl", "html", str(SOURCE), "-o", str(PAGE), "--title", "Signum registers"],
-                   check=True)
+    subprocess.run([sys.executable, "-m", "peakrdl", "html", str(SOURCE), "-o", str(PAGE), "--title",
+                    "Signum registers"], check=True)
     page = PAGE / "index.html"
     page.write_text(re.sub(r"<script async src=\"https://[^>]*></script>", "", page.read_text()))  # no foreign scripts
     for path in sorted(p for p in PAGE.rglob("*") if p.is_file()):
