@@ -224,6 +224,7 @@ def _stopped(host: Host, arguments: list[str], out: Path, table: str, lines: int
                       lines=lines, **request)
     said = [line for line in answer["said"].splitlines() if line.startswith("signum: ")]
     assert answer["status"] == 130 and said == ["signum: stopped; what was finished is kept"], answer["said"]
+    assert "blending" not in answer["said"]
     return float(answer["stopped_s"])
 
 
@@ -248,10 +249,7 @@ def test_a_signal_stops_while_frames_come(host: Host, cases: Cases, name: str, t
     _whole(case)
     frames = _contents(case.out)[table].count(b"\n")
     assert frames < case.files[table].count(b"\n"), "frames were still coming"
-    if "mosaic" in name:
-        assert not (case.out / PAGE).exists()
-        assert not (case.out / "mosaic.png").exists() or (
-            (case.out / "mosaic.png").read_bytes() != case.files["mosaic.png"]), "not blended"
+    assert "mosaic" not in name or not (case.out / PAGE).exists()
     _again(host, case, f"{name}, {sent}")
 
 
