@@ -27,32 +27,35 @@ AXI_PORTS = "*_i", "*_o", "s_axil_*"
 BENCH_CXX_FLAGS = "-O1 -fPIC -Dmain=slog_simulator_main"
 LIBRARY = BUILD / "cocotb" / f"library-{digest([BENCH_CXX_FLAGS], [])[:8]}"
 """The simulator's own object files, which are the same for every module."""
+EMBEDDED_ARGS = "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)
+"""Verilator's arguments for a simulator that is a library, which an `EmbeddedVerilator` runs."""
 BUILD_ARGS = [*VERILATOR_ARGS, *UNROLL, "--assert", "--timing", "--x-assign", "unique", "--x-initial", "unique",
-              "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)]
+              *EMBEDDED_ARGS]
 LOG_LINES = 80
 """The end of a log that an error shows."""
 
 
-class LeanVerilator(Verilator):
-    """The cocotb runner with two changes.
-
-    It leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the
-    top module are made visible (by a generated control file), and a test bench reads ports only. And the simulator is
-    a library that runs inside the Python executable, so no libpython is needed (see start.cpp).
-    """
+class EmbeddedVerilator(Verilator):
+    """The cocotb runner, but the simulator is a library that runs inside the Python executable, so no libpython is
+    needed (see start.cpp). Build with EMBEDDED_ARGS."""
 
     def _set_env_common(self) -> None:
         self.env["GPI_USERS"] = pygpi_entry_point()
         super()._set_env_common()
 
-    def _build_command(self) -> list[list[str]]:
-        return [[arg for arg in map(str, command) if arg != "--public-flat-rw"]
-                for command in super()._build_command()]
-
     def _test_command(self) -> list[list[str]]:
         [[simulator, *arguments]] = super()._test_command()
         self.env["LD_PRELOAD"] = str(simulator)
         return [[sys.executable, *map(str, arguments)]]
+
+
+class LeanVerilator(EmbeddedVerilator):
+    """Leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the top
+    module are made visible (by a generated control file), and a test bench reads ports only."""
+
+    def _build_command(self) -> list[list[str]]:
+        return [[arg for arg in map(str, command) if arg != "--public-flat-rw"]
+                for command in super()._build_command()]
 
 
 def simulate(

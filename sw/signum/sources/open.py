@@ -43,6 +43,8 @@ def open_source(text: str | Path, calibration: Path | None = None) -> Source:
 
 
 def _open(text: str | Path) -> Source:
+    if not str(text).strip():
+        raise SourceError("the source's name is empty: give a folder of pictures, a video, a bag or a camera's number")
     file, _, topic = str(text).partition("#")
     if _is_bag(Path(file)):
         try:
