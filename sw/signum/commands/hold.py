@@ -9,7 +9,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Annotated
 
-import cv2
 import numpy as np
 import typer
 
@@ -33,10 +32,8 @@ from signum.commands.options import (
 from signum.commands.session import Session
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
-from signum.frames.frame import Source
 from signum.geometry.calibration import read_mono
 from signum.report.page import write_page
-from signum.sources.files import VideoSource
 from signum.world.vehicle import Current
 from signum.world.water import PAPER
 
@@ -178,7 +175,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
              autopilot: Autopilot) -> None:
     """Open loop, on frames from elsewhere."""
     frames, fit = run.source, run.fit
-    rate = recorded.rate or _rate_of(str(recorded.source), frames)
+    rate = recorded.rate or frames.rate or FRAME_RATE
     focal = recorded.focal
     if focal is None and recorded.calibration is not None:
         focal = float(read_mono(recorded.calibration)[0][0, 0])
@@ -216,16 +213,6 @@ def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> Ho
     run.summary = lambda: (f"{run.folder / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading"
                            f"{autopilot.said}; {run.folder / 'report.html'}")
     return record
-
-
-def _rate_of(source: str, frames: Source) -> float:
-    """Frames per second: a video's own, else `FRAME_RATE`."""
-    if not isinstance(frames, VideoSource):
-        return FRAME_RATE
-    capture = cv2.VideoCapture(source)
-    found = float(capture.get(cv2.CAP_PROP_FPS))
-    capture.release()
-    return found if 0.1 <= found <= 1000 else FRAME_RATE
 
 
 def _word(r: Reading) -> str:

@@ -21,7 +21,6 @@ from signum.common.errors import SignumError
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source
 from signum.measure.measurer import Measurer
-from signum.sources.files import CameraSource
 from signum.sources.open import open_source
 from signum.tables.table import Table
 
@@ -93,7 +92,7 @@ class Session:
     @property
     def live(self) -> bool:
         """Whether the source's frames cannot be had again."""
-        return self._source is not None and isinstance(getattr(self._source, "source", self._source), CameraSource)
+        return self._source is not None and self._source.live
 
     @cached_property
     def outputs(self) -> Outputs:

@@ -22,6 +22,7 @@ from PIL import UnidentifiedImageError
 from signum.common.arrays import Image
 from signum.common.checks import check_pixels, printable, read_bytes
 from signum.common.errors import SourceError
+from signum.frames.eight import EightBits
 
 PilImage.MAX_IMAGE_PIXELS = None  # `check_pixels` has a limit of its own
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -35,11 +36,13 @@ class Frame:
     """One picture of a source, uint8 (H, W) or (H, W, 3) blue, green, red.
 
     `name` is the file's name without its ending for pictures, the index from 0 for everything else; it is the `frame`
-    of all tables.
+    of all tables. `time_s` is its time in seconds on its source's own clock: the presentation time of a video, a
+    message's stamp in a bag, the monotonic clock when a live frame came; None where the source has no times.
     """
 
     name: str
     picture: Image
+    time_s: float | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -57,6 +60,12 @@ class Source(ABC):
 
     snapshots = False
     """Whether frames are single pictures, far apart, rather than a stream with little motion from one to the next."""
+    live = False
+    """Whether frames cannot be had again; the newest is given, those that came meanwhile are skipped."""
+    rate: float | None = None
+    """Nominal frames per second; None if it is not known."""
+    skipped = 0
+    """Frames that a live source did not give, as newer ones came."""
 
     def __init__(self, label: str, count: int | None) -> None:
         self.label = printable(label)
@@ -92,22 +101,26 @@ def grey(picture: Image) -> Image:
     return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
 
 
-def read_picture(file: Path) -> Image:
-    """Read an 8-bit picture, grey or colour.
+def read_picture(file: Path, eight: EightBits | None = None) -> Image:
+    """Read a picture, grey or colour, in 8 bits.
+
+    Args:
+        file: of the picture.
+        eight: how a deeper picture is mapped to 8 bits; by default a mapping of its own, which is told of.
 
     Raises:
-        SourceError: if it is missing, no file, broken, cut short, larger than the limit, or not 8-bit.
+        SourceError: if it is missing, no file, broken, cut short or larger than the limit.
     """
-    raw = read_any_picture(file)
-    if raw.dtype != np.uint8:
-        bits = 8 * raw.dtype.itemsize
-        raise SourceError(f"{file}: a {bits}-bit picture; signum takes 8-bit grey or colour: "
-                          f"convert it, e.g. `convert {file.name} -normalize -depth 8 {file.stem}_8bit.png`")
-    if raw.ndim == 3 and raw.shape[2] == 4:
-        raw = raw[:, :, :3]
-    elif raw.ndim == 3 and raw.shape[2] != 3:
-        raw = raw[:, :, 0]
-    return np.ascontiguousarray(raw, np.uint8)
+    return plain((eight or EightBits(str(file)))(read_any_picture(file), file.name))
+
+
+def plain(picture: Image) -> Image:
+    """A decoded picture (H, W) or (H, W, channels) as frames have it: grey, or blue, green, red, without more."""
+    if picture.ndim == 3 and picture.shape[2] == 4:
+        picture = picture[:, :, :3]
+    elif picture.ndim == 3 and picture.shape[2] != 3:
+        picture = picture[:, :, 0]
+    return np.ascontiguousarray(picture, np.uint8)
 
 
 def read_any_picture(file: Path) -> NDArray[np.generic]:

@@ -67,6 +67,7 @@ class WorldSource(Source):
     def __init__(self, survey: SurveyPlan, label: str = "world") -> None:
         super().__init__(label, survey.frames)
         self.survey = survey
+        self.rate = survey.rate
 
     @classmethod
     def named(cls, text: str) -> WorldSource:
@@ -107,5 +108,5 @@ class WorldSource(Source):
         for k, (north, east) in enumerate(flown):
             position = np.array([north - middle[0], east - middle[1], -s.height])
             swell = 0.01 * np.sin(0.9 * k / s.rate), 0.01 * np.cos(0.7 * k / s.rate), 0.02 * np.sin(0.3 * k / s.rate)
-            yield Frame(str(k), world.look(camera, Sight(position, rotation(*swell) @ LOOK_DOWN)).frame)
+            yield Frame(str(k), world.look(camera, Sight(position, rotation(*swell) @ LOOK_DOWN)).frame, k / s.rate)
             world.step(1 / s.rate)
