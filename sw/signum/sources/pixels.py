@@ -59,7 +59,8 @@ def raw_picture(message: Any, label: str, eight: EightBits) -> Image:
         dtype, channels, rows, used = np.dtype(np.uint8), 1, height * 3 // 2, width
     else:
         known = ", ".join(sorted({*PLAIN, *PACKED, *PLANAR}))
-        raise SourceError(f"{label}: encoding {encoding!r}; signum reads {known}: convert the topic, e.g. with image_proc")
+        raise SourceError(f"{label}: encoding {encoding!r}; signum reads {known}: "
+                          "convert the topic, e.g. with image_proc")
     step = step or used
     if step < used or data.size < rows * step or data.size > rows * step + step:
         raise SourceError(f"{label}: {data.size} bytes for {width}x{height} {encoding} pixels: the message is broken")
