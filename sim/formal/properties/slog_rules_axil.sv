@@ -43,15 +43,20 @@ module slog_rules_axil #(
   logic [AddrW-1:0] awaddr_q, araddr_q, taken_addr_q;
   logic [3:0] taken_strb_q;
   logic [31:0] taken_data_q;
-  logic [31:0] wdata_q, rdata_q;
+  logic [31:0] wdata_q, rdata_q, past_rdata_q;
   logic [3:0] wstrb_q;
   logic [2:0] waits_q;   // wait_i one, two, three clocks ago
   logic [1:0] wrote_q;   // a write's request left one, two clocks ago
+  logic [2:0] aw_owed_q, w_owed_q, ar_owed_q;  // transfers accepted and not yet answered
+  logic b_waits_q, r_waits_q;                  // a response was offered in the clock before and not taken
   logic [31:0] biten;
   assign biten = {{8{taken_strb_q[3]}}, {8{taken_strb_q[2]}}, {8{taken_strb_q[1]}}, {8{taken_strb_q[0]}}};
 
   always_ff @(posedge clk_i) begin
     was_reset_q <= rst_i;
+    b_waits_q   <= bvalid_o && !bready_i && !rst_i;
+    r_waits_q   <= rvalid_o && !rready_i && !rst_i;
+    past_rdata_q <= rdata_o;
     waits_q     <= {waits_q[1:0], wait_i};
     wrote_q     <= {wrote_q[0] && !rst_i, req_o && req_is_wr_o && !rst_i};
     if (awvalid_i && awready_o) awaddr_q <= awaddr_i;
@@ -64,6 +69,9 @@ module slog_rules_axil #(
       aw_q    <= 1'b0;
       w_q     <= 1'b0;
       ar_q    <= 1'b0;
+      aw_owed_q <= '0;
+      w_owed_q  <= '0;
+      ar_owed_q <= '0;
       asked_q <= 1'b0;
       b_q     <= 1'b0;
       r_q     <= 1'b0;
@@ -74,6 +82,9 @@ module slog_rules_axil #(
       else if (write_q) w_q <= 1'b0;
       if (arvalid_i && arready_o) ar_q <= 1'b1;
       else if (read_q) ar_q <= 1'b0;
+      aw_owed_q <= aw_owed_q + 3'(awvalid_i && awready_o) - 3'(bvalid_o && bready_i);
+      w_owed_q  <= w_owed_q + 3'(wvalid_i && wready_o) - 3'(bvalid_o && bready_i);
+      ar_owed_q <= ar_owed_q + 3'(arvalid_i && arready_o) - 3'(rvalid_o && rready_i);
       asked_q <= req_o || (asked_q && !wr_ack_i && !rd_ack_i);
       if (req_o) asked_wr_q <= req_is_wr_o;
       b_q <= wr_ack_i || (b_q && !bready_i);
@@ -86,6 +97,10 @@ module slog_rules_axil #(
       RulesAxilReset : assert (!was_reset_q || !(awready_o || wready_o || arready_o || bvalid_o || rvalid_o || req_o));
       RulesAxilWriteAnswer : assert (bvalid_o == b_q);
       RulesAxilReadAnswer : assert (rvalid_o == r_q && (!rvalid_o || rdata_o == rdata_q));
+      // A3.2.1: once valid, valid and its payload stay until ready. A3.3.1: B only after both AW and W, R only after AR.
+      RulesAxilStays : assert ((!b_waits_q || bvalid_o) && (!r_waits_q || (rvalid_o && rdata_o == past_rdata_q)));
+      RulesAxilAfter : assert ((!bvalid_o || (aw_owed_q != '0 && w_owed_q != '0)) && (!rvalid_o || ar_owed_q != '0));
+      RulesAxilOwed : assert (aw_owed_q <= 3'd2 && w_owed_q <= 3'd2 && ar_owed_q <= 3'd2);
       // Requests: one at a time, each of an accepted access; a write has both its address and its data.
       RulesAxilOne : assert (!req_o || !(asked_q || b_q || r_q));
       RulesAxilBusy : assert (busy_o || !(asked_q || b_q || r_q));

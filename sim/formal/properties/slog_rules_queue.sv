@@ -2,7 +2,7 @@
 // What every queue and stage promises: words leave in the order in which they came, none is lost, none is made up, and
 // no more than Depth are inside.
 //
-// One word is watched: the proof holds for every choice of it, because choice_q holds anything.
+// One word is watched: the proof holds for every choice of it, because choice may be anything.
 module slog_rules_queue #(
     parameter int unsigned Width = 4,
     parameter int unsigned Depth = 4
@@ -16,8 +16,8 @@ module slog_rules_queue #(
     input logic [Width-1:0] out_data
 );
   localparam int unsigned CountW = $clog2(Depth + 1);
-  logic [3:0] choice_q;  // number of the watched word, modulo 16; any constant
-  always_ff @(posedge clk_i) choice_q <= choice_q;
+  logic [3:0] choice;  // number of the watched word, modulo 16
+  slog_rules_choice #(.Width(4)) u_choice (.clk_i, .choice);
 
   logic [3:0] number_q;         // of the next word pushed
   logic [CountW-1:0] inside_q;  // words inside
@@ -25,7 +25,7 @@ module slog_rules_queue #(
   logic [CountW-1:0] ahead_q;   // words before it
   logic [Width-1:0] word_q;     // the watched word
   logic chosen;
-  assign chosen = push && number_q == choice_q;
+  assign chosen = push && number_q == choice;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin

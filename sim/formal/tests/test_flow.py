@@ -13,6 +13,7 @@ import pytest
 
 from sim.formal.flow import PROPERTIES, chosen, count_checks, reason_of, reset_binding, rules_of, run, sby_text
 from sim.formal.proofs import PROOFS, REASONS, Proof
+from sim.formal.table import PAGE, listed_modules, page
 from sim.toolchain import RTL, sources_of
 
 PROOF = Proof("some", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",), assumed=("SlogFifoKept",),
@@ -28,7 +29,8 @@ def test_text_reads_assertions_and_all_files() -> None:
     read = next(line for line in text.splitlines() if line.startswith("read_slang"))
     assert "--no-synthesis-define -D FORMAL" in read
     assert "-G Width=2 -G Depth=4" in read
-    assert read.endswith("slog_fifo.sv slog_rules_reset.sv slog_rules_queue.sv slog_rules_fifo.sv bindings.sv")
+    rules = " ".join(f"slog_rules_{name}.sv" for name in ("reset", "choice", "queue", "fifo"))
+    assert read.endswith(f"slog_fifo.sv {rules} bindings.sv")
     assert "mode prove\ndepth 3" in text
     assert "bind slog_fifo slog_rules_reset #(.Clocks(2))" in text
     for path in (RTL / "slog_assert.svh", *rules_of(PROOF)):
@@ -66,13 +68,20 @@ def test_table() -> None:
     assert max(Counter(proof.name for proof in PROOFS).values()) == 1
     for proof in PROOFS:
         assert all(path.exists() for path in rules_of(proof)), proof.name
-    used = {f"slog_rules_{name}" for proof in PROOFS for name in ("reset", "queue", *proof.rules)}
+    used = {f"slog_rules_{name}" for proof in PROOFS for name in ("reset", "choice", "queue", *proof.rules)}
     assert used == {path.stem for path in PROPERTIES.glob("*.sv")}
     proved = {proof.top for proof in PROOFS}
     modules = {path.stem for path in RTL.rglob("slog_*.sv") if RTL / "gen" not in path.parents
                and RTL / "ecp5" not in path.parents and not path.stem.endswith("_pkg")}
     assert not proved & set(REASONS)
     assert proved | set(REASONS) == modules
+
+
+def test_every_listed_module() -> None:
+    """Each module of `rtl/files.f` has a proof or a reason, and the page's tables are those of the proofs."""
+    for module in listed_modules():
+        assert module in REASONS or any(proof.top == module for proof in PROOFS), module
+    assert page() == PAGE.read_text(), "run `python -m sim.formal.table`"
 
 
 def test_choice() -> None:
@@ -99,6 +108,29 @@ def test_broken_queue_fails(tmp_path: Path) -> None:
     outcome = run(proof, changed(tmp_path, "if (push) mem_q", "if (push && !pop) mem_q"))
     assert not outcome.passed
     assert "RulesQueueOrder" in outcome.reason or "RulesFifoWord" in outcome.reason
+
+
+BREAKS = [
+    ("accumulator", "array/slog_accumulator.sv", "extra_q[k]});", "1'b0});", "RulesAccumulator"),
+    ("peak_rows", "peak/slog_peak_rows.sv", "row_q.last <= left_q == 10'd1;", "row_q.last <= left_q == 10'd2;",
+     "RulesPeakRows"),
+]
+"""Proof, file, a place in it, what replaces it, and the beginning of the rule that fails then."""
+
+
+@tools
+@pytest.mark.parametrize(("name", "file", "old", "new", "rule"), BREAKS, ids=[row[0] for row in BREAKS])
+def test_broken_module_fails(tmp_path: Path, name: str, file: str, old: str, new: str, rule: str) -> None:
+    """A proof fails, by the rule that says so, when its module is broken."""
+    proof = replace(next(p for p in PROOFS if p.name == name), name=f"test_broken_{name}")
+    text = (RTL / file).read_text()
+    assert text.count(old) == 1
+    path = tmp_path / Path(file).name
+    path.write_text(text.replace(old, new))
+    sources = sources_of(proof.top, proof.config)
+    outcome = run(proof, [path if source.name == path.name else source for source in sources])
+    assert not outcome.passed
+    assert rule in outcome.reason
 
 
 @tools

@@ -101,6 +101,16 @@ def test_without_sites_of_these_blocks_they_are_sought(tmp_path: Path, capsys: p
         assert "small.json is not of these blocks" in capsys.readouterr().out
 
 
+def test_a_renamed_block_is_named(
+        tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sim.synth.floorplan.best_floorplan", lambda cells: {})
+    kept = tmp_path / "small.json"
+    kept.write_text('{"0.ram0": "X6/Y22/EBR0", "0.old": "X8/Y22/EBR1"}')
+    constrain(_netlist(tmp_path / "netlist.json", 2), kept)
+    said = capsys.readouterr().out
+    assert "1 without a site: 0.ram1" in said and "1 not in the netlist: 0.old" in said
+
+
 @pytest.mark.parametrize("config", ["full", "tiny"])
 def test_kept_floorplans_give_each_block_a_site_of_its_own(config: str) -> None:
     sites = json.loads((FLOORPLANS / f"{config}.json").read_text()).values()

@@ -25,7 +25,7 @@ from signum.commands.outputs import lock
 from signum.commands.session import Session
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
-from signum.common.files import write_picture
+from signum.common.files import write_picture, write_text
 from signum.frames.fit import Fit
 from signum.tables.schemas import GOTO, NAVIGATE
 
@@ -163,7 +163,7 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
     mosaic.mkdir(parents=True, exist_ok=True)
     if mosaic.resolve() != run.folder.resolve():
         run.at_end(partial(os.close, lock(mosaic)))
-    (mosaic / SIMULATED).write_text(f"{carrier}, seed {seed}\n", encoding="utf-8")
+    write_text(mosaic / SIMULATED, f"{carrier}, seed {seed}\n")
     notes.print(f"simulated {carrier}, seed {seed}")
     with progress("survey", None) as tell:
         chart = site.survey(run.measurer, mosaic, tell)

@@ -10,9 +10,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from signum.common.arrays import Image
-from signum.common.errors import SignumError
-from signum.common.files import write_picture
+from signum.common.files import write_picture, write_text
+from signum.report.movie import Movie
 from signum.tables.table import Table
 from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.scenes import Still
@@ -27,7 +26,7 @@ class Reel:
         self._file = file
         self.names: list[str] = []
         self.count = 0
-        self._writers: list[tuple[cv2.VideoWriter, Path, Path]] = []
+        self._films: list[Movie] = []
         self._columns = columns
         self._table = Table(file("truth.csv"), ["frame", "time_s", *columns])
 
@@ -37,45 +36,34 @@ class Reel:
             name = side if self.pictures else f"{side}.mp4"
             if name not in self.names:
                 self.names.append(name)
-                self._open(name, frame)
+                if not self.pictures:
+                    self._films.append(Movie(self._file(name), self.rate, grey=True))
             if self.pictures:
                 path = self._file(f"{side}/{self.count:05d}.png")
                 path.parent.mkdir(exist_ok=True)
                 write_picture(path, frame)
             else:
-                self._writers[self.names.index(name)][0].write(frame)
+                self._films[self.names.index(name)].write(frame)
         frame_name = f"{self.count:05d}" if self.pictures else str(self.count)
         self._table.write([frame_name, f"{still.time:.3f}",
                            *("" if math.isnan(still.truth[c]) else f"{still.truth[c]:.5f}" for c in self._columns)])
         self.count += 1
 
-    def _open(self, name: str, frame: Image) -> None:
-        if self.pictures:
-            return
-        path = self._file(name)
-        half = path.with_name(f".part-{name}")  # a video is no video before its end is written
-        size = frame.shape[1], frame.shape[0]
-        writer = cv2.VideoWriter(str(half), cv2.VideoWriter.fourcc(*"mp4v"), self.rate, size, isColor=False)
-        if not writer.isOpened():
-            raise SignumError(f"{path}: this OpenCV writes no MP4; use --pictures")
-        self._writers.append((writer, half, path))
-
     def close(self) -> None:
         """Finish the files."""
         self._table.close()
-        for writer, half, path in self._writers:
-            writer.release()
-            half.replace(path)
+        for film in self._films:
+            film.close()
 
 
 def write_calibration(path: Path, camera: Pinhole) -> None:
     """The simulated cameras in OpenCV's YAML: one alone, and the stereo pair."""
     k = np.array([[camera.focal, 0, camera.centre[0]], [0, camera.focal, camera.centre[1]], [0, 0, 1]])
-    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    storage = cv2.FileStorage(path.name, cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
     storage.write("image_width", camera.size[0])
     storage.write("image_height", camera.size[1])
     for name, value in (("camera_matrix", k), ("distortion_coefficients", np.zeros((1, 5))), ("K1", k),
                         ("D1", np.zeros((1, 5))), ("K2", k), ("D2", np.zeros((1, 5))), ("R", np.eye(3)),
                         ("T", np.array([[-BASELINE_M], [0.0], [0.0]]))):
         storage.write(name, value)
-    storage.release()
+    write_text(path, storage.releaseAndGetString())

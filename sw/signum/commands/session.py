@@ -18,6 +18,7 @@ from signum.commands.options import BoardName, BoardOptions
 from signum.commands.outputs import Outputs, identity, lock
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
+from signum.frames.clock import timed
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source
 from signum.measure.measurer import Measurer
@@ -41,6 +42,7 @@ class Session:
         folder: for the files that are written.
         source: what the user named as the source of frames, None for none.
         calibration: of the source's camera, whose distortion is taken out.
+        rate: frames per second of a source whose frames have no times.
 
     Attributes:
         board: the open board.
@@ -56,10 +58,11 @@ class Session:
     board: Board
 
     def __init__(self, command: str, chosen: BoardOptions, folder: Path, source: str | None = None,
-                 calibration: Path | None = None) -> None:
+                 calibration: Path | None = None, rate: float | None = None) -> None:
         self.command, self.chosen, self.folder = command, chosen, folder
         self.name = "" if source is None else identity(source)
         self._source = None if source is None else open_source(source, calibration)
+        self._rate = rate
         self.done = 0
         self.report: Callable[[], object] | None = None
         self.summary: Callable[[], str] | None = None
@@ -117,7 +120,7 @@ class Session:
 
     @cached_property
     def _frames(self) -> Iterator[Frame]:
-        return iter(self.source)
+        return timed(self.source, self.source.label, self._rate)
 
     @cached_property
     def fit(self) -> Fit:

@@ -11,9 +11,11 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from signum.common.arrays import Image
 
@@ -54,14 +56,31 @@ def write_text(path: Path, text: str) -> None:
     write_bytes(path, text.encode())
 
 
-def write_picture(path: Path, picture: Image, compression: int = 1) -> None:
-    """Write a PNG as a whole; `compression` is zlib's, 0 to 9."""
-    write_bytes(path, png(picture, compression))
+def write_picture(path: Path, picture: NDArray[Any], compression: int = 1) -> None:
+    """Write a picture as a whole, in the format of the path's ending; `compression` is zlib's, 0 to 9, for a PNG.
+
+    Args:
+        path: of the file.
+        picture: (H, W) or (H, W, 3) blue, green, red; uint8, or another type that the format holds.
+        compression: of a PNG.
+
+    Raises:
+        OSError: if it cannot be written, with `path` as its file name.
+        ValueError: if the format does not hold such a picture.
+    """
+    write_bytes(path, _encoded(picture, path.suffix, compression))
 
 
 def png(picture: Image, compression: int = 1) -> bytes:
     """A picture, uint8 (H, W) or (H, W, 3), as the bytes of a PNG; `compression` is zlib's, 0 to 9."""
-    _, data = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, compression])
+    return _encoded(picture, ".png", compression)
+
+
+def _encoded(picture: NDArray[Any], ending: str, compression: int) -> bytes:
+    options = [cv2.IMWRITE_PNG_COMPRESSION, compression] if ending == ".png" else []
+    done, data = cv2.imencode(ending, picture, options)
+    if not done:
+        raise ValueError(f"a picture of shape {picture.shape} and type {picture.dtype} cannot be made a {ending} file")
     return bytes(data.tobytes())
 
 

@@ -23,6 +23,7 @@ from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.survey import Survey
 from signum.boards.board import Board
 from signum.common.arrays import Floats
+from signum.common.files import write_picture
 from signum.demo.flight import (
     CAMERA_FOCAL,
     CAMERA_SIZE,
@@ -93,7 +94,7 @@ def run_demo(board: Board, out: Path, sigma: float, window: int, progress: Progr
         _mosaic(flight, board, camera, floor, out, step)
     with _phase(flight, board, "station keeping", progress, round((HELD_SECONDS + FREE_SECONDS) * HOLD_RATE)) as step:
         _station(flight, board, camera, floor, step)
-    cv2.imwrite(str(out / "overview.png"), overview(flight))
+    write_picture(out / "overview.png", overview(flight))
     return write_demo_report(flight, out)
 
 

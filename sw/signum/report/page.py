@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import matplotlib
 from matplotlib.figure import Figure
 
 from signum.common.arrays import Image
-from signum.common.files import write_text
+from signum.common.files import png, write_text
 
 matplotlib.use("Agg")
 
@@ -97,8 +96,8 @@ def paragraph(text: str) -> str:
 
 def figure(picture: Image, caption: str) -> str:
     """A picture (uint8, grey or BGR) with its caption."""
-    _, data = cv2.imencode(".png", picture)
-    return _image(data.tobytes(), caption)
+    data = png(picture)
+    return _image(data, caption)
 
 
 def plot(drawn: Figure, caption: str) -> str:

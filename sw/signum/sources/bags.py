@@ -115,7 +115,7 @@ def _ordered(messages: Iterator[Stamped], label: str) -> Iterator[Stamped]:
     """The messages in order of their stamps, as far as `AHEAD` of them reach; what is odd is told once."""
     ahead: list[Stamped] = []
     stamped: bool | None = None
-    before, latest, late, same = -1, -1, 0, 0
+    before, latest, late = -1, -1, 0
     waiting: list[Stamped] = []
     for logged, index, message in messages:
         waiting.append((logged, index, message))
@@ -125,7 +125,7 @@ def _ordered(messages: Iterator[Stamped], label: str) -> Iterator[Stamped]:
             stamped = any(_stamp(m) for _, _, m in waiting)
         for when, number, one in waiting:
             moment = _stamp(one) if stamped else when
-            late, same, latest = late + (moment < latest), same + (moment == latest), max(latest, moment)
+            late, latest = late + (moment < latest), max(latest, moment)
             heapq.heappush(ahead, (moment, number, one))
         waiting.clear()
         while len(ahead) > AHEAD:
@@ -140,8 +140,6 @@ def _ordered(messages: Iterator[Stamped], label: str) -> Iterator[Stamped]:
         yield before, first[1], first[2]
     if late:
         notes.print(f"{label}: {late} frames were recorded out of the order of their stamps; they were put in order")
-    if same:
-        notes.print(f"{label}: {same} frames have the same stamp as the one before; speeds there are not known")
 
 
 def _stamp(message: Any) -> int:

@@ -7,7 +7,6 @@ import ast
 import math
 import os
 import re
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -68,31 +67,6 @@ class PictureSource(Source):
         yield Frame(name_of(self.file), read_picture(self.file), times_of([self.file])[0])
 
 
-class CameraSource(Source):
-    """A live camera by its OpenCV index, until the camera delivers no more frames."""
-
-    live = True
-
-    def __init__(self, index: int) -> None:
-        super().__init__(f"camera {index}", None)
-        self.index = index
-
-    def _frames(self) -> Iterator[Frame]:
-        capture = cv2.VideoCapture(self.index)
-        if not capture.isOpened():
-            raise SourceError(f"{self.label}: cannot be opened; list the cameras with `ls /dev/video*`")
-        try:
-            done = 0
-            while True:
-                good, picture = capture.read()
-                if not good:
-                    return
-                yield Frame(str(done), np.asarray(picture, np.uint8), time.monotonic())
-                done += 1
-        finally:
-            capture.release()
-
-
 class ArraySource(Source):
     """Camera frames held in an array: a sequence of pictures, or a .npy file of uint8 (N, H, W) or (N, H, W, 3)."""
 
@@ -133,6 +107,11 @@ class UndistortedSource(Source):
         self.source, self.snapshots, self.calibration = source, source.snapshots, calibration
         self.live, self.rate = source.live, source.rate
         self._matrix, self._distortion, self._size = read_mono(calibration)
+
+    @property
+    def skipped(self) -> int:  # type: ignore[override]
+        """Of the source."""
+        return self.source.skipped
 
     def _frames(self) -> Iterator[Frame]:
         maps = cv2.initUndistortRectifyMap(self._matrix, self._distortion, np.eye(3), self._matrix, self._size,

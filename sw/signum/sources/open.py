@@ -12,11 +12,11 @@ from signum.frames.frame import Source
 from signum.sources.files import (
     PICTURES,
     ArraySource,
-    CameraSource,
     FolderSource,
     PictureSource,
     UndistortedSource,
 )
+from signum.sources.live import CameraSource
 from signum.sources.video import VideoSource
 
 BAGS = frozenset({".bag", ".mcap", ".db3"})

@@ -14,7 +14,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
@@ -25,6 +24,7 @@ from signum.commands import app as commands
 from signum.commands import filter as filter_command
 from signum.commands.cli import application
 from signum.common.errors import SignumError
+from signum.common.files import write_picture
 from signum.geometry.calibration import CalibrationError, read_mono, read_stereo
 from signum.report.read_table import read_table
 from signum.sources.open import open_source
@@ -152,7 +152,7 @@ def test_a_navigation_log_is_checked_cell_by_cell(tmp_path: Path, rows: str, say
 
 
 def test_named_places_are_checked(tmp_path: Path) -> None:
-    cv2.imwrite(str(tmp_path / "mosaic.png"), frames()[0])
+    write_picture(tmp_path / "mosaic.png", frames()[0])
     for text, says in (("name,x_px\nrock,1\n", "expected name, x_px, y_px"),
                        ("name,x_px,y_px\nrock,inf,1\n", "rock: x_px"),
                        ("name,x_px,y_px\nrock,1,x\n", "rock: y_px is 'x'")):

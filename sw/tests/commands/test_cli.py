@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 from golden import log
 from signum.commands import session
 from signum.commands.cli import application
+from signum.common.files import write_picture
 from signum.frames.frame import Frame
 from signum.sources.files import ArraySource
 from signum.tables.schemas import TRACK
@@ -47,7 +48,7 @@ def _frames(count: int, step: float, size: tuple[int, int] = SIZE) -> list[np.nd
 def _folder(path: Path, frames: list[np.ndarray]) -> Path:
     path.mkdir()
     for k, frame in enumerate(frames, 1):
-        cv2.imwrite(str(path / f"{k}.png"), frame)
+        write_picture(path / f"{k}.png", frame)
     return path
 
 
@@ -68,7 +69,7 @@ def test_every_command_takes_the_common_options_and_gives_an_example(command: st
 
 def test_filter_writes_the_boards_signs(tmp_path: Path) -> None:
     picture = _frames(1, 0)[0]
-    cv2.imwrite(str(tmp_path / "in.png"), picture)
+    write_picture(tmp_path / "in.png", picture)
     result = _run("filter", tmp_path / "in.png", "--sigma", "1.5", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output
     sign = np.asarray(cv2.imread(str(tmp_path / "out" / "sign.png"), cv2.IMREAD_UNCHANGED))
@@ -78,7 +79,7 @@ def test_filter_writes_the_boards_signs(tmp_path: Path) -> None:
 
 
 def test_large_picture_is_scaled_with_a_note(tmp_path: Path) -> None:
-    cv2.imwrite(str(tmp_path / "in.png"), np.asarray(cv2.resize(photograph("gravel"), (1280, 960))))
+    write_picture(tmp_path / "in.png", np.asarray(cv2.resize(photograph("gravel"), (1280, 960))))
     result = _run("filter", tmp_path / "in.png", "--out", tmp_path)
     assert result.exit_code == 0 and "1280x960 are scaled to 640x480" in result.stderr
     assert np.asarray(cv2.imread(str(tmp_path / "sign.png"))).shape[:2] == (480, 640)
@@ -116,7 +117,7 @@ def test_mosaic_from_the_command_line(tmp_path: Path) -> None:
 
 def test_what_was_finished_stays_when_a_later_frame_is_bad(tmp_path: Path) -> None:
     source = _folder(tmp_path / "in", _frames(4, 40))
-    cv2.imwrite(str(source / "4.png"), np.zeros((50, 60), np.uint8))
+    write_picture(source / "4.png", np.zeros((50, 60), np.uint8))
     for command in ("mosaic", "track"):
         result = _run(command, source, "--window", "48", "--out", tmp_path / command)
         assert "frame 4 is 60x50, frame 1 is 192x144" in _one_line(result)
@@ -159,8 +160,8 @@ def test_bad_input_is_one_line(tmp_path: Path, arguments: tuple[str, ...], says:
     pictures = tmp_path / "p" if arguments[1] != "{}" else tmp_path / "none"
     pictures.mkdir()
     if arguments[1] != "{}":
-        cv2.imwrite(str(pictures / "deep.png"), np.full((80, 80), 300, np.uint16))
-        cv2.imwrite(str(pictures / "small.png"), np.full((40, 50), 30, np.uint8))
+        write_picture(pictures / "deep.png", np.full((80, 80), 300, np.uint16))
+        write_picture(pictures / "small.png", np.full((40, 50), 30, np.uint8))
         (pictures / "empty.mp4").touch()
     result = _run(*(a.format(pictures) for a in arguments))
     assert says in _one_line(result)

@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 
 from signum.applications.mosaic.simulate import Plan, simulate_survey
+from signum.common.files import write_picture
 
 CRASHES = int(os.environ.get("CRASHES", "4"))
 SEED = int(os.environ.get("SEED", "1"))
@@ -95,7 +96,7 @@ def cases(host: Host, tmp_path_factory: pytest.TempPathFactory) -> Cases:
     flown = simulate_survey(PLAN, 3)
     (place / "in").mkdir()
     for k, cell in enumerate(flown.sequence()):
-        cv2.imwrite(str(place / "in" / f"{k}.png"), flown.frames[cell])
+        write_picture(place / "in" / f"{k}.png", flown.frames[cell])
     film = cv2.VideoWriter(str(place / "film.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (160, 120), isColor=False)
     whole = simulate_survey(Plan(rows=2, columns=1, size=(320, 240), focal=220.0, step=(0.1, 0.5)), 1)
     wide = whole.frames[whole.sequence()[0]]

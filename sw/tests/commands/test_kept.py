@@ -13,6 +13,7 @@ from typer.testing import CliRunner, Result
 from signum.commands.cli import application
 from signum.commands.outputs import Outputs, identity, lock, move_aside
 from signum.common.errors import SignumError
+from signum.common.files import write_picture
 
 app = application()
 
@@ -39,7 +40,7 @@ def source(floor: np.ndarray, tmp_path: Path) -> Path:
     folder = tmp_path / "in"
     folder.mkdir()
     for k in range(4):
-        cv2.imwrite(str(folder / f"{k}.png"), floor[40 * k:40 * k + 120])
+        write_picture(folder / f"{k}.png", floor[40 * k:40 * k + 120])
     return folder
 
 
@@ -57,7 +58,7 @@ def test_a_survey_is_never_wiped(source: Path, floor: np.ndarray, tmp_path: Path
     assert json.loads(before["run.json"])["finished"] and len(before["poses.csv"].splitlines()) == 5
     other = tmp_path / "other"
     other.mkdir()
-    cv2.imwrite(str(other / "0.png"), floor[300:420])
+    write_picture(other / "0.png", floor[300:420])
     assert f"holds a survey of {source}, not of {other}" in _line(_run("mosaic", other, *common))
     assert "made with --sigma 2.5 instead of 2.0" in _line(_run("mosaic", source, *common, "--sigma", "2"))
     assert "--anew moves it aside" in _line(_run("mosaic", source, *common, "--columns", "single"))
@@ -68,7 +69,7 @@ def test_a_survey_is_never_wiped(source: Path, floor: np.ndarray, tmp_path: Path
         again = _run("mosaic", spelling, *common)
         assert again.exit_code == 0 and "finished" in again.stderr and _contents(out) == before
     # A frame that is new is added.
-    cv2.imwrite(str(source / "4.png"), floor[160:280])
+    write_picture(source / "4.png", floor[160:280])
     assert _run("mosaic", source, *common).exit_code == 0
     after = _contents(out)
     assert len(after["poses.csv"].splitlines()) == 6 and after["frames/000000.png"] == before["frames/000000.png"]
@@ -93,7 +94,7 @@ def test_a_frame_that_has_changed_is_named(source: Path, floor: np.ndarray, tmp_
     out = tmp_path / "o"
     assert _run("mosaic", source, "--window", "32", "--out", out).exit_code == 0
     before = _contents(out)
-    cv2.imwrite(str(source / "2.png"), floor[301:421])
+    write_picture(source / "2.png", floor[301:421])
     assert "frame 2 is not the picture that it was" in _line(_run("mosaic", source, "--window", "32", "--out", out))
     assert _contents(out) == before
 

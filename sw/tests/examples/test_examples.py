@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cocotb_tools.runner import Verilator
 
+from signum.common.files import write_picture
 from signum.world.seafloor import photograph
 from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, _keep_library, _reuse_library
 from sim.toolchain import BUILD, ROOT, sources_of
@@ -55,7 +56,7 @@ def test_mosaic(tmp_path: Path) -> None:
     folder.mkdir()
     photo = photograph("gravel")
     for k in range(4):
-        cv2.imwrite(str(folder / f"{k}.png"), photo[100:292, 40 + 48 * k:296 + 48 * k])
+        write_picture(folder / f"{k}.png", photo[100:292, 40 + 48 * k:296 + 48 * k])
     assert example("mosaic.py").main(str(folder), str(tmp_path / "out")) == 4
     made = cv2.imread(str(tmp_path / "out" / "mosaic.png"))
     assert made is not None and made.shape[1] == pytest.approx(256 + 3 * 48, abs=4)

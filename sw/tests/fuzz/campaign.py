@@ -15,6 +15,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from signum.common.files import write_picture
 from tests.fuzz.child import start
 from tests.fuzz.corpus import KINDS, Kind, build
 from tests.fuzz.judge import FAILURES, Outcome, Rows, judge, tables
@@ -161,7 +162,7 @@ class Campaign:
         if case.kind in ("options", "names"):
             self._lay(case, [])
             if case.kind == "options":
-                cv2.imwrite(str(case.folder / "in" / "a.png"), np.load(case.folder / "in" / "dive.npy")[0])
+                write_picture(case.folder / "in" / "a.png", np.load(case.folder / "in" / "dive.npy")[0])
                 case.line = arguments(rng, str(case.folder / "in" / "dive.npy"), str(case.folder / "out"))
                 case.line = [a.replace("dive.npy/../", "") for a in case.line]
             else:

@@ -18,6 +18,7 @@ from rosbags.typesys import Stores, get_typestore
 from skimage import data
 
 from signum.common.arrays import Image
+from signum.common.files import write_picture
 
 FRAMES, SIZE, STEP = 4, (160, 120), (8, 6)
 """Number of frames, width and height, and how far the view moves from one to the next, pixels."""
@@ -89,11 +90,11 @@ def build(folder: Path) -> None:
     for kind in KINDS:
         (folder / kind).mkdir(parents=True)
     for kind in ("png", "jpg", "tif", "bmp", "pgm", "webp"):
-        cv2.imwrite(str(folder / kind / f"a.{kind}"), pictures[0])
+        write_picture(folder / kind / f"a.{kind}", pictures[0])
     for name in ("folder", "names", "navigation/pictures", "truth/pictures", "resume/pictures"):
         (folder / name).mkdir(exist_ok=True)
         for k, picture in enumerate(pictures):
-            cv2.imwrite(str(folder / name / f"{k}.png"), picture)
+            write_picture(folder / name / f"{k}.png", picture)
     for kind, code in (("mp4", "mp4v"), ("avi", "MJPG")):
         writer = cv2.VideoWriter(str(folder / kind / f"dive.{kind}"), cv2.VideoWriter.fourcc(*code), 10, SIZE)
         for picture in pictures:
@@ -113,11 +114,11 @@ def build(folder: Path) -> None:
     for kind in ("calibration", "stereo"):
         calibration(folder / kind / "c.yaml")
     for side, picture in zip("lr", pictures, strict=False):
-        cv2.imwrite(str(folder / "stereo" / f"{side}.png"), picture)
+        write_picture(folder / "stereo" / f"{side}.png", picture)
     rows = "".join(f"{k},{500000 + 0.02 * k},{6090000 - 0.015 * k}\n" for k in range(FRAMES))
     for kind in ("navigation", "truth"):
         (folder / kind / "n.csv").write_text(f"frame,east_m,north_m\n{rows}")
-    cv2.imwrite(str(folder / "chart" / "mosaic.png"), np.asarray(data.gravel()[40:280, 40:320], np.uint8))
+    write_picture(folder / "chart" / "mosaic.png", np.asarray(data.gravel()[40:280, 40:320], np.uint8))
     (folder / "chart" / "places.csv").write_text("name,x_px,y_px\nrock,120.5,100\nweed,60,60\n")
 
 

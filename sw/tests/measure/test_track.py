@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from golden.params import FULL
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Floats, Image
+from signum.common.files import write_picture
 from signum.frames.fit import Fit
 from signum.measure.measurer import Measurer
 from signum.measure.track import PRECISE_PX, Tracker, TrackPoint, TrackSettings
@@ -154,7 +155,7 @@ def _every_feature_is_tracked_or_flagged(rows: list[list[TrackPoint]]) -> None:
 def test_folder_and_video_give_the_same_tracks(tmp_path: Path) -> None:
     frames = _flight([(3.0 * n, 2.0 * n) for n in range(4)])
     for n, frame in enumerate(frames):
-        cv2.imwrite(str(tmp_path / f"{n}.png"), frame)
+        write_picture(tmp_path / f"{n}.png", frame)
     from_folder = [f.grey for f in FolderSource(tmp_path)]
     fit = Fit.to((400, 300), FULL, 64)
     assert _track(from_folder, fit, features=6) == _track(frames, fit, features=6)

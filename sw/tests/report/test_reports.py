@@ -16,6 +16,7 @@ from typer.testing import CliRunner, Result
 from signum.boards.golden import GoldenBoard
 from signum.commands.cli import application
 from signum.common.errors import SourceError
+from signum.common.files import write_picture
 from signum.geometry.calibration import CalibrationError
 from signum.geometry.camera import LOOK_DOWN, Sight
 from signum.measure.flow import FlowField, measure_flow
@@ -63,7 +64,7 @@ def test_stereo_of_folders(tmp_path: Path) -> None:
     for k in range(2):
         pair = world.look_pair(CAMERA, Sight(np.array([0.2 * k, 0, -1.5]), LOOK_DOWN), 0.1)
         for side, shot in zip(("left", "right"), pair, strict=True):
-            cv2.imwrite(str(tmp_path / side / f"{side}{k}.png"), shot.frame)
+            write_picture(tmp_path / side / f"{side}{k}.png", shot.frame)
     out = tmp_path / "out"
     result = _run("stereo", tmp_path / "left", tmp_path / "right", "--calibration", _rig(tmp_path / "rig.yaml", 0.1),
                   "--most", "30", "--out", out)
@@ -83,7 +84,7 @@ def test_stereo_says_what_is_wrong(tmp_path: Path) -> None:
     for side, count in (("left", 2), ("right", 1)):
         (tmp_path / side).mkdir()
         for k in range(count):
-            cv2.imwrite(str(tmp_path / side / f"{k}.png"), photograph("gravel")[:144, :192])
+            write_picture(tmp_path / side / f"{k}.png", photograph("gravel")[:144, :192])
     result = _run("stereo", tmp_path / "left", tmp_path / "right", "--out", tmp_path / "out")
     assert result.exit_code == 1 and "fewer frames than" in result.stderr
     assert {r["frame"] for r in _rows(tmp_path / "out" / "disparity.csv")} == {"0"}, "what was finished is kept"
@@ -108,7 +109,7 @@ def test_flow_of_the_simulated_world_and_its_report_anew(tmp_path: Path) -> None
 
 
 def test_reports_of_anything_and_of_nothing(tmp_path: Path) -> None:
-    cv2.imwrite(str(tmp_path / "a.png"), np.zeros((20, 30), np.uint8))
+    write_picture(tmp_path / "a.png", np.zeros((20, 30), np.uint8))
     (tmp_path / "log.csv").write_text("t,depth\n0,1.5\n1,2.5\n2,nothing\n3")
     assert _run("report", tmp_path).exit_code == 0
     page = (tmp_path / "report.html").read_text()
@@ -143,13 +144,13 @@ def test_undistortion(tmp_path: Path) -> None:
     bent = np.asarray(cv2.undistortPoints(np.stack([u, v], -1).reshape(-1, 1, 2), k, d, P=k), np.float32)
     bent = bent.reshape(144, 192, 2)
     (tmp_path / "in").mkdir()
-    cv2.imwrite(str(tmp_path / "in" / "1.png"), cv2.remap(true, bent[..., 0], bent[..., 1], cv2.INTER_CUBIC))
+    write_picture(tmp_path / "in" / "1.png", cv2.remap(true, bent[..., 0], bent[..., 1], cv2.INTER_CUBIC))
     source = open_source(tmp_path / "in", path)
     assert isinstance(source, UndistortedSource) and source.snapshots and source.count == 1
     (frame,) = source
     inside = np.s_[20:-20, 20:-20]
     assert np.abs(frame.picture[inside].astype(float) - true[inside]).mean() < 1.5
-    cv2.imwrite(str(tmp_path / "in" / "1.png"), true[:100])
+    write_picture(tmp_path / "in" / "1.png", true[:100])
     with pytest.raises(CalibrationError, match="is for 192x144, frame 1 is 192x100"):
         list(open_source(tmp_path / "in", path))
     with pytest.raises(CalibrationError, match=r"no such file.*\(expected: calibration\)"):

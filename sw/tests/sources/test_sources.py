@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from signum.common.errors import SourceError
-from signum.sources.files import ArraySource, CameraSource, FolderSource
+from signum.common.files import write_picture
+from signum.sources.files import ArraySource, FolderSource
+from signum.sources.live import CameraSource
 from signum.sources.open import open_source
 from signum.sources.video import VideoSource
 
@@ -30,7 +32,7 @@ def _video(path: Path, frames: int, size: tuple[int, int] = (96, 64)) -> Path:
 def test_folder_in_natural_order_named_by_stem(tmp_path: Path) -> None:
     for name in ("10.png", "9.tif", "1.jpg", "notes.csv", ".hidden.png"):
         file = tmp_path / name
-        file.write_text("x") if name.endswith("csv") else cv2.imwrite(str(file), _picture())
+        file.write_text("x") if name.endswith("csv") else write_picture(file, _picture())
     source = open_source(tmp_path)
     assert isinstance(source, FolderSource) and source.snapshots and source.count == 3
     assert [f.name for f in source] == ["1", "9", "10"]
@@ -68,7 +70,7 @@ def _bad(folder: Path, kind: str) -> Path:
     if kind == "text":
         path.write_text("this is no picture")
     elif kind in ("cut", "cutjpg"):
-        cv2.imwrite(str(path), _picture(256, 200))
+        write_picture(path, _picture(256, 200))
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     elif kind == "npy":
         path.write_text("no array")
@@ -99,7 +101,7 @@ def test_bad_input_is_one_line_that_names_the_file(tmp_path: Path, kind: str, sa
 
 def test_frames_of_different_sizes_are_named_when_their_turn_comes(tmp_path: Path) -> None:
     for name, size in (("1", (64, 48)), ("2", (64, 48)), ("3", (64, 50))):
-        cv2.imwrite(str(tmp_path / f"{name}.png"), _picture(*size))
+        write_picture(tmp_path / f"{name}.png", _picture(*size))
     seen = []
     with pytest.raises(SourceError, match="frame 3 is 64x50, frame 1 is 64x48"):
         for frame in open_source(tmp_path):
@@ -109,7 +111,7 @@ def test_frames_of_different_sizes_are_named_when_their_turn_comes(tmp_path: Pat
 
 def test_two_pictures_of_one_name(tmp_path: Path) -> None:
     for name in ("5.png", "5.tif"):
-        cv2.imwrite(str(tmp_path / name), _picture())
+        write_picture(tmp_path / name, _picture())
     with pytest.raises(SourceError, match="would both be frame 5"):
         open_source(tmp_path)
 
@@ -128,7 +130,7 @@ def test_video_cut_short_gives_what_it_has_first(tmp_path: Path) -> None:
 def test_deeper_pictures_are_mapped_alike_over_a_run(tmp_path: Path) -> None:
     first, second = _picture(seed=1) // 2 + np.uint8(100), _picture(seed=2) // 4
     for name, picture in (("1", first), ("2", second)):
-        cv2.imwrite(str(tmp_path / f"{name}.png"), picture.astype(np.uint16) * 16)  # 12 bits
+        write_picture(tmp_path / f"{name}.png", picture.astype(np.uint16) * 16)  # 12 bits
     frames = list(open_source(tmp_path))
     assert np.array_equal(frames[0].picture, first) and np.array_equal(frames[1].picture, second)
 
@@ -136,7 +138,7 @@ def test_deeper_pictures_are_mapped_alike_over_a_run(tmp_path: Path) -> None:
 def test_depth_in_metres_is_mapped_to_a_round_number(tmp_path: Path) -> None:
     depth = np.linspace(0, 4.2, 64 * 48, dtype=np.float32).reshape(48, 64)
     depth[0, 0] = np.nan
-    cv2.imwrite(str(tmp_path / "a.tif"), depth)
+    write_picture(tmp_path / "a.tif", depth)
     (frame,) = open_source(tmp_path / "a.tif")
     assert np.array_equal(frame.picture, np.rint(np.nan_to_num(depth) * np.float32(51)))
 

@@ -14,6 +14,7 @@ from signum.applications.follow.follower import State, Target
 from signum.common.arrays import Image
 from signum.frames.frame import grey
 from signum.report.draw import GREEN, RED, YELLOW, write_line
+from signum.report.movie import Movie
 from signum.tables.schemas import FOLLOW, FOLLOW_TRUTH
 from signum.tables.table import Table
 
@@ -60,10 +61,6 @@ def draw_target(picture: Image, target: Target) -> Image:
     write_line(canvas, text, 0.45)
     return canvas
 
-HALF = ".part-follow.mp4"
-"""File of a film that is not closed yet."""
-
-
 @dataclass
 class FollowRecord:
     """Writes `follow.csv`, and `follow.mp4` where a film is asked for; keeps frames for the report.
@@ -83,7 +80,7 @@ class FollowRecord:
     shots: list[tuple[str, Image]] = field(default_factory=list)
     states: list[tuple[float, State]] = field(default_factory=list)
     _table: Table = field(init=False, repr=False)
-    _writer: cv2.VideoWriter | None = field(init=False, default=None, repr=False)
+    _movie: Movie | None = field(init=False, default=None, repr=False)
     _next_shot: float = field(init=False, default=1.0)
 
     def __post_init__(self) -> None:
@@ -112,15 +109,12 @@ class FollowRecord:
         return sum(s is state for _, s in self.states) / max(len(self.states), 1)
 
     def _show(self, drawn: Image) -> None:
-        if self._writer is None:
-            size = drawn.shape[1], drawn.shape[0]
-            code = cv2.VideoWriter.fourcc(*"mp4v")
-            self._writer = cv2.VideoWriter(str(self.folder / HALF), code, self.rate, size)
-        self._writer.write(drawn)
+        if self._movie is None:
+            self._movie = Movie(self.folder / "follow.mp4", self.rate)
+        self._movie.write(drawn)
 
     def close(self) -> None:
         """Close the files."""
         self._table.close()
-        if self._writer is not None:
-            self._writer.release()
-            (self.folder / HALF).replace(self.folder / "follow.mp4")
+        if self._movie is not None:
+            self._movie.close()

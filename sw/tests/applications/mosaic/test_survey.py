@@ -25,6 +25,7 @@ from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
 from signum.commands.cli import application
+from signum.common.files import write_picture
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity
@@ -82,7 +83,7 @@ def folder(flown: Flown, tmp_path: Path) -> Path:
     path.mkdir()
     lines = ["frame,east_m,north_m,heading_deg"]
     for k, cell in enumerate(flown.sequence()):
-        cv2.imwrite(str(path / f"{k:02d}.png"), flown.frames[cell])
+        write_picture(path / f"{k:02d}.png", flown.frames[cell])
         at = flown.position(cell) * PLAN.pixel_m
         lines.append(f"{k:02d},{at.real:.5f},{-at.imag:.5f},{flown.truth[cell].rot_deg:.4f}")
     (tmp_path / "truth.csv").write_text("\n".join(lines) + "\n")

@@ -22,6 +22,7 @@ from signum.applications.navigate.simulate.pan_tilt import PanTiltScene, PanTilt
 from signum.applications.navigate.steering import PanTiltSteering, VehicleSteering
 from signum.boards.golden import GoldenBoard
 from signum.commands.cli import application
+from signum.common.files import write_picture
 from signum.frames.fit import Fit
 from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
@@ -168,7 +169,7 @@ def test_conformal_pictures() -> None:
 
 
 def test_places_by_name_and_pixel(floor: NDArray[np.uint8], tmp_path: Path) -> None:
-    cv2.imwrite(str(tmp_path / "mosaic.png"), floor)
+    write_picture(tmp_path / "mosaic.png", floor)
     (tmp_path / "places.csv").write_text("name,x_px,y_px\nanchor,120,80\n")
     chart = Chart.load(tmp_path)
     assert chart.place("anchor") == (120.0, 80.0) and chart.place("10,20.5") == (10.0, 20.5)
@@ -182,11 +183,11 @@ def test_places_by_name_and_pixel(floor: NDArray[np.uint8], tmp_path: Path) -> N
 def test_the_command(floor: NDArray[np.uint8], tmp_path: Path) -> None:
     for folder in ("mosaic", "dive"):
         (tmp_path / folder).mkdir()
-    cv2.imwrite(str(tmp_path / "mosaic" / "mosaic.png"), floor)
+    write_picture(tmp_path / "mosaic" / "mosaic.png", floor)
     way = [(150.0, 150.0), (160.0, 158.0), (170.0, 166.0), (640.0, 480.0)]
     for k, (x, y) in enumerate(way):
-        cv2.imwrite(str(tmp_path / "dive" / f"{k}.png"), _frame(floor, _place(x, y), k))
-    cv2.imwrite(str(tmp_path / "dive" / "4.png"), np.full(SIZE[::-1], 50, np.uint8))
+        write_picture(tmp_path / "dive" / f"{k}.png", _frame(floor, _place(x, y), k))
+    write_picture(tmp_path / "dive" / "4.png", np.full(SIZE[::-1], 50, np.uint8))
     result = CliRunner().invoke(app, ["navigate", str(tmp_path / "mosaic"), str(tmp_path / "dive"), "--window", "48",
                                       "--goto", "300,200", "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output

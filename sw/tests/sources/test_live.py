@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A live source gives the newest frame, counts those it skips, and hands on what ended it."""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from signum.common.errors import SourceError
+from signum.frames.frame import Frame
+from signum.sources.live import LiveSource
+
+PERIOD_S = 0.02
+FRAMES = 40
+
+
+class Clockwork(LiveSource):
+    """Frames by the clock, as a camera gives them."""
+
+    def __init__(self, breaks: bool = False) -> None:
+        super().__init__("clockwork")
+        self.breaks = breaks
+        self.given = 0
+
+    def _arrivals(self) -> Iterator[Frame]:
+        start = time.monotonic()
+        for k in range(FRAMES):
+            time.sleep(max(0.0, start + k * PERIOD_S - time.monotonic()))
+            self.given += 1
+            yield Frame(str(k), np.zeros((8, 8), np.uint8), time.monotonic())
+            if self.stopping.is_set():
+                return
+        if self.breaks:
+            raise SourceError("clockwork: the spring broke")
+
+
+def test_slow_work_gets_the_newest_frame() -> None:
+    """Work of five frame periods: read in turn, the last frame would be 3.2 s old."""
+    source = Clockwork()
+    ages, names = [], []
+    for frame in source:
+        assert frame.time_s is not None
+        ages.append(time.monotonic() - frame.time_s)
+        names.append(int(frame.name))
+        time.sleep(5 * PERIOD_S)
+    assert names[-1] == FRAMES - 1 and names == sorted(names)
+    assert source.skipped == FRAMES - len(names) > FRAMES // 2
+    assert max(ages[:-1]) < 2 * PERIOD_S, ages
+
+
+def test_what_ended_the_reader_is_raised_after_its_last_frame() -> None:
+    seen = []
+    with pytest.raises(SourceError, match="spring"):
+        for frame in Clockwork(breaks=True):
+            seen.append(frame.name)
+    assert seen[-1] == str(FRAMES - 1)
+
+
+def test_leaving_stops_the_reader() -> None:
+    source = Clockwork()
+    frames = iter(source)
+    next(frames)
+    frames.close()  # type: ignore[attr-defined]
+    assert source.stopping.is_set() and source.given < FRAMES
