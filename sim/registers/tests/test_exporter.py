@@ -9,18 +9,21 @@ from sim.registers.exporter import export
 
 BLOCK = """addrmap block {{
     default regwidth = 32; default accesswidth = 32;
-    reg {{ field {{ sw = rw; hw = r; {property} }} value[31:0]; }} word @ {address};
+    {kind} reg {{ {width} field {{ sw = rw; hw = r; {property} }} value[31:0]; }} word @ {address};
 }};
 """
 
 
-@pytest.mark.parametrize(("property", "address", "message"), [
-    ("", "0x7c", "has 128 bytes"), ("onread = rclr;", "0xfc", "block.word.value: a read does not change"),
-    ("", "0x1fc", "has 512 bytes")])
-def test_what_the_pipeline_does_not_serve_is_refused(tmp_path: Path, property: str, address: str,
-                                                     message: str) -> None:
+@pytest.mark.parametrize(("words", "message"), [
+    ({"address": "0x7c"}, "has 128 bytes"), ({"address": "0x1fc"}, "has 512 bytes"),
+    ({"property": "onread = rclr;"}, "block.word.value: a read does not change"),
+    ({"width": "regwidth = 64;", "address": "0xf8"}, "block.word: a register of a pipelined block is as wide"),
+    ({"kind": "external"}, "block.word: a pipelined register block has no external parts")],
+    ids=["small", "large", "read", "wide", "external"])
+def test_what_the_pipeline_does_not_serve_is_refused(tmp_path: Path, words: dict[str, str], message: str) -> None:
     source = tmp_path / "block.rdl"
-    source.write_text(BLOCK.format(property=property, address=address))
+    plain = {"kind": "", "width": "", "property": "", "address": "0xfc"}
+    source.write_text(BLOCK.format(**{**plain, **words}))
     with pytest.raises(ValueError, match=message):
         export(source, tmp_path)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +12,7 @@ import numpy as np
 import typer
 
 from signum.applications.hold.judge import judge_hold_rows
-from signum.applications.hold.mavlink import MavlinkSink
+from signum.applications.hold.mavlink import LONGEST_GAP_S, MavlinkSink
 from signum.applications.hold.page import hold_bars, hold_section
 from signum.applications.hold.reading import Reading
 from signum.applications.hold.record import HoldRecord
@@ -118,8 +117,8 @@ def hold(
     if recorded.source is None and (board.window != BOARD_DEFAULTS.window or recorded.focal or recorded.calibration
                                     or recorded.rate):
         raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
-    with Session("hold", board, output, recorded.source, recorded.calibration) as run:
-        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink else None)
+    with Session("hold", board, output, recorded.source, recorded.calibration, recorded.rate) as run:
+        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink else None, paced=not run.live)
         if recorded.source is not None:
             _measure(run, recorded, seconds, range_m, autopilot)
         else:
@@ -127,21 +126,32 @@ def hold(
 
 
 class Autopilot:
-    """Where readings are sent, if anywhere, in step with real time: a MAVLink receiver uses the times of arrival."""
+    """Where readings are sent, if anywhere, in step with real time: a MAVLink receiver uses the times of arrival.
 
-    def __init__(self, sink: MavlinkSink | None) -> None:
-        self._sink, self._start = sink, time.monotonic()
+    Args:
+        sink: of the messages.
+        paced: whether to wait for a reading's time, as a live source does by itself.
+    """
+
+    def __init__(self, sink: MavlinkSink | None, paced: bool) -> None:
+        self._sink, self._paced, self._start = sink, paced, time.monotonic()
 
     def send(self, moment: float, reading: Reading) -> None:
-        """Send the reading of `moment` seconds, once so many seconds have passed since the start."""
+        """Send the reading of `moment` seconds, if paced once so many seconds have passed since the start."""
         if self._sink is not None:
-            time.sleep(max(0.0, self._start + moment - time.monotonic()))
+            if self._paced:
+                time.sleep(max(0.0, self._start + moment - time.monotonic()))
             self._sink.send(moment, reading)
 
     @property
     def said(self) -> str:
-        """How many messages were sent, for the line on the outcome."""
-        return f", {self._sink.sent} MAVLink messages" if self._sink else ""
+        """How many messages were sent, and what was not, for the line on the outcome."""
+        if self._sink is None:
+            return ""
+        forward, right, _ = self._sink.lost
+        gaps = (f" ({self._sink.gaps} gaps of over {LONGEST_GAP_S:g} s not sent: {forward:+.3f} m ahead, "
+                f"{right:+.3f} m to the right)" if self._sink.gaps else "")
+        return f", {self._sink.sent} MAVLink messages{gaps}"
 
 
 def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
@@ -196,9 +206,8 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
         write_page(run.folder / "report.html", "Station keeping",
                    [hold_section("Station keeping, open loop", about, record.series, record.shots)])
 
-    pictures = islice(run.frames(), total if seconds is not None else None)
     window = run.chosen.window
-    seen_ones = watch_station(run.measurer(fit.board), pictures, fit, focal, range_m, rate, window)
+    seen_ones = watch_station(run.measurer(fit.board), run.frames(), fit, focal, range_m, rate, window, seconds)
     for seen in run.steps("measuring", seen_ones, total):
         record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
         run.report = report

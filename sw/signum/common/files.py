@@ -78,9 +78,13 @@ def png(picture: Image, compression: int = 1) -> bytes:
 
 def _encoded(picture: NDArray[Any], ending: str, compression: int) -> bytes:
     options = [cv2.IMWRITE_PNG_COMPRESSION, compression] if ending == ".png" else []
-    done, data = cv2.imencode(ending, picture, options)
+    refused = ValueError(f"a picture of shape {picture.shape} and type {picture.dtype} cannot be made a {ending} file")
+    try:
+        done, data = cv2.imencode(ending, picture, options)
+    except cv2.error as error:
+        raise refused from error
     if not done:
-        raise ValueError(f"a picture of shape {picture.shape} and type {picture.dtype} cannot be made a {ending} file")
+        raise refused
     return bytes(data.tobytes())
 
 

@@ -40,8 +40,3 @@ def timed(frames: Iterable[Frame], label: str, rate: float | None = None) -> Ite
                 said, time = True, last + step
         last = time if time is not None else last
         yield frame if time == frame.time_s else replace(frame, time_s=time)
-
-
-def time_cell(time_s: float | None) -> str:
-    """A time in a table, seconds; empty where there is none."""
-    return "" if time_s is None else f"{time_s:.6f}"

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from signum.frames.clock import time_cell, timed
+from signum.frames.clock import timed
 from signum.frames.frame import Frame
 
 PICTURE = np.zeros((8, 8), np.uint8)
@@ -22,7 +22,6 @@ def test_own_times_stay_whatever_the_rate(capsys: pytest.CaptureFixture[str]) ->
 def test_a_rate_counts_where_there_are_none() -> None:
     assert times([None, None, None], 4.0) == [0.0, 0.25, 0.5]
     assert times([None, None]) == [None, None]
-    assert [time_cell(None), time_cell(0.25)] == ["", "0.250000"]
 
 
 def test_times_that_do_not_advance_are_mended_and_said_once(capsys: pytest.CaptureFixture[str]) -> None:

@@ -61,6 +61,7 @@ def draw_target(picture: Image, target: Target) -> Image:
     write_line(canvas, text, 0.45)
     return canvas
 
+
 @dataclass
 class FollowRecord:
     """Writes `follow.csv`, and `follow.mp4` where a film is asked for; keeps frames for the report.

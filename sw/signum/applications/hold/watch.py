@@ -28,7 +28,7 @@ class StationFrame:
 
 
 def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float,
-                  rate: float, window: int = 64) -> Iterator[StationFrame]:
+                  rate: float, window: int = 64, seconds: float | None = None) -> Iterator[StationFrame]:
     """Measure frames against the first of them.
 
     Meter and search are those of the closed loop. Control forces are computed and discarded. Without an attitude sensor
@@ -38,19 +38,27 @@ def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit
         measurer: of size `fit.board`.
         frames: of size `fit.source`.
         focal: pixels of the frames. range_m: to the scene in the first frame, metres.
-        rate: frames per second.
+        rate: frames per second, where frames have no times.
+        seconds: after the first frame at which to end, None for never.
 
     Raises:
         SourceError: if the first frame has too little texture.
     """
     meter = StationMeter(measurer, focal / fit.factor[0], range_m, window)
     keeper: StationKeeper | None = None
+    first, last = 0.0, -1 / rate
     for k, frame in enumerate(frames):
+        if k == 0:
+            first = frame.time_s or 0.0
+        time = k / rate if frame.time_s is None else frame.time_s - first
+        if seconds is not None and time >= seconds - 1e-6:
+            return
         picture = fit.show(frame.picture)
         if keeper is None:
             if meter.anchor(measurer.view(picture)) < meter.least:
                 raise SourceError(f"frame {frame.name}: only {meter.offered} of the {meter.least} features needed: "
                                   "begin where the picture shows texture, or choose another --window or --sigma")
             keeper = StationKeeper(meter)
-        reading, _ = keeper.step(measurer.view(picture), Sensed(), 1 / rate)
-        yield StationFrame(frame.name, k / rate, reading, picture, meter.features_at())
+        reading, _ = keeper.step(measurer.view(picture), Sensed(), time - last)
+        last = time
+        yield StationFrame(frame.name, time, reading, picture, meter.features_at())
