@@ -45,6 +45,8 @@ class VideoSource(Source):
                 if not container.streams.video:
                     raise SourceError(f"{self.file}: no picture track in it; {mend}")
                 context = container.streams.video[0].codec_context
+                if context is None:  # PyAV's stubs do not know of streams without a decoder
+                    raise SourceError(f"{self.file}: a video of a kind that cannot be decoded; {mend}")
                 check_pixels(context.width, context.height, str(self.file), SourceError)
                 yield container
         except (FFmpegError, ValueError) as error:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sources: order and names of frames, and every error a user can make."""
 
+import struct
 from fractions import Fraction
 from pathlib import Path
 
@@ -43,6 +44,35 @@ def test_video_frames_are_numbered_from_zero(tmp_path: Path) -> None:
     assert isinstance(source, VideoSource) and not source.snapshots and source.count == 12
     assert [f.name for f in source] == [str(i) for i in range(12)]
     assert [f.name for f in source] == [str(i) for i in range(12)], "a source can be read again"
+
+
+def test_a_video_of_unknown_codec_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "odd.avi"
+    path.write_bytes(_video(path, 3).read_bytes().replace(b"MJPG", b"zz99"))
+    with pytest.raises(SourceError, match="a kind that cannot be decoded; try `ffmpeg"):
+        open_source(path)
+
+
+@pytest.mark.parametrize("turn", [(0, 1, -1, 0), (-1, 0, 0, -1), (0, -1, 1, 0)])
+def test_a_turned_video_is_shown_upright(tmp_path: Path, turn: tuple[int, int, int, int]) -> None:
+    """The display matrix of a phone's or action camera's file is obeyed, as OpenCV obeys it."""
+    path = tmp_path / "turned.mp4"
+    picture = np.zeros((64, 96, 3), np.uint8)
+    picture[:32, :48], picture[:32, 48:], picture[32:, :48] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("mpeg4", rate=10)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for packet in [*stream.encode(av.VideoFrame.from_ndarray(picture, format="bgr24")), *stream.encode(None)]:
+            container.mux(packet)
+    data = bytearray(path.read_bytes())
+    a, b, c, d = (k << 16 for k in turn)
+    matrix = data.index(b"tkhd") + 44  # ISO/IEC 14496-12, 8.3.2: the track's matrix
+    data[matrix:matrix + 36] = struct.pack(">9i", a, b, 0, c, d, 0, 0, 0, 1 << 30)
+    path.write_bytes(data)
+    _, expected = cv2.VideoCapture(str(path)).read()
+    [frame] = open_source(path)
+    assert np.array_equal(frame.picture, expected)
+    assert frame.picture.shape[:2] == ((96, 64) if turn[0] == 0 else (64, 96))
 
 
 def test_arrays(tmp_path: Path) -> None:
