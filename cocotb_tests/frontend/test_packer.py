@@ -7,6 +7,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.cycle.frontend.packer import PackerModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
@@ -46,6 +47,11 @@ async def every_clock(dut, shape: str) -> None:
 
     await check_cycles(dut, PackerModel(group), _rows(random.Random(cocotb.RANDOM_SEED), shape, group), count)
     assert words > 60
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "frontend", PackerModel(params()["GroupBits"]))
 
 
 @pytest.mark.parametrize("group_bits", [4, 8])

@@ -18,7 +18,8 @@ class Peak:
 
     Attributes:
         status: of the job; where it is not OK, the rest is 0.
-        dx, dy: displacement of the template at the peak, pixels.
+        dx: displacement of the template at the peak, pixels right.
+        dy: the same, pixels down.
         score: matching fraction at the peak, 0..1.
         margin: its difference from the best match outside the peak's 3x3 neighbourhood.
         inside: whether the peak has neighbours on all sides in each dimension that was searched.
