@@ -111,7 +111,7 @@ class GoldenBoard(Board):
 
     def _signs(self, kernel: Kernel, frame: Image) -> Packed:
         """The packed signs of a frame: a survey shows the same frames again and again."""
-        key = hashlib.sha256(np.ascontiguousarray(frame)).digest(), frame.shape, self.sigma
+        key = hashlib.sha256(np.ascontiguousarray(frame).data).digest(), frame.shape, self.sigma
         plane = self._seen.pop(key, None)
         if plane is None:
             plane = kernel.sign(frame, self.sigma, self.config.radius)

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from golden import correlate, log
-from golden.compiled.calls import CHOICE, NUMPY, Kernel
+from golden.compiled.calls import CHOICE, NUMPY, Kernel, Packed
 from golden.correlate import Job, Status
+from golden.log import Image
 from golden.params import FULL, TINY
 from golden.tables import jobs_table
 from signum.boards.board import BoardError, Identification, run_jobs
@@ -173,7 +174,12 @@ def test_a_frame_seen_before_is_filtered_once(monkeypatch: pytest.MonkeyPatch) -
     """Unless sigma or a pixel differs; the planes are those of the filter, also after more frames than are kept."""
     calls: list[float] = []
     sign = Kernel.sign
-    monkeypatch.setattr(Kernel, "sign", lambda self, *args: (calls.append(args[1]), sign(self, *args))[1])
+
+    def counted(kernel: Kernel, image: Image, sigma: float, radius: int) -> Packed:
+        calls.append(sigma)
+        return sign(kernel, image, sigma, radius)
+
+    monkeypatch.setattr(Kernel, "sign", counted)
     monkeypatch.setenv(CHOICE, "plain")
     rng = np.random.default_rng(4)
     frames = [rng.integers(0, 256, (36, 48), dtype=np.uint8) for _ in range(SEEN + 1)]
