@@ -6,6 +6,8 @@ import os
 
 from hypothesis import settings
 
+from sim.seeds import session_seed
+
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("MAVLINK20", "1")  # receivers of the tests take MAVLink 2
 os.environ["SIGNUM_RAISE"] = "1"  # an unexpected error of a command is an error of its test
@@ -15,4 +17,5 @@ settings.load_profile("signum")
 
 def pytest_report_header() -> str:
     """How to repeat a run."""
-    return f"signum: simulation seed {os.environ.get('SEED', '1')} (set SEED to vary it, WAVES=1 for waveforms)"
+    return (f"signum: SIGNUM_SEED={session_seed()}, of cocotb and of both boards in lockstep; set it to repeat a run "
+            "(WAVES=1 for waveforms)")

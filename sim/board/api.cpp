@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "accesses.hpp"
 #include "clock.hpp"
 #include "driver.hpp"
 
@@ -16,6 +17,8 @@ namespace {
 enum Error { kTimeout = -1, kSurfaceBroken = -2 };
 
 struct Board {
+  explicit Board(uint32_t power_up) : clock(power_up) {}
+
   Clock clock;
   Driver driver{clock};
 };
@@ -24,12 +27,16 @@ struct Board {
 
 extern "C" {
 
-Board* slog_new() { return new Board; }
+Board* slog_new(uint32_t power_up) { return new Board(power_up); }
 void slog_free(Board* b) { delete b; }
 Driver* slog_driver(Board* b) { return &b->driver; }
 uint64_t slog_clocks(const Board* b) { return b->clock.clocks(); }
 int slog_irq(const Board* b) { return b->clock.result_waiting(); }
+int slog_asserted(const Board* b) { return b->clock.asserted(); }
 int slog_trace(Board* b, const char* path) { return b->clock.trace(path); }
+
+// Writes the coverage so far; false when this build counts none.
+int slog_coverage(Board* b, const char* path) { return b->clock.coverage(path); }
 
 void slog_tick(Board* b, uint64_t clocks) {
   for (uint64_t k = 0; k < clocks; ++k) b->clock.tick();
@@ -107,5 +114,12 @@ int slog_surface(Board* b, uint16_t* scores, int64_t count, uint64_t timeout) {
 }
 
 int64_t slog_surface_waiting(const Board* b) { return static_cast<int64_t>(b->clock.surface.scores.size()); }
+
+// Plays register accesses on the five channels, each in its own time (see accesses.hpp); returns how many rules of AXI4-Lite
+// the board broke.
+int64_t slog_accesses(Board* b, SlogAccess* accesses, int64_t count, int overlap) {
+  b->driver.forget();
+  return AccessPlayer(b->clock, accesses, count, overlap).play();
+}
 
 }  // extern "C"

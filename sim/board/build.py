@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace]`.
+"""Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace] [--checked]`.
 
-The library lies under `build/verilated/<config>[-trace]/` with digests of everything that it and its model were made
-from; a current build returns at once. The driver alone, without a board, lies in `build/driver/`. For an installed
-package, `build` is a folder of the user's cache: see `sim.toolchain`.
+The library lies under `build/verilated/<config>[-trace][-checked]/` with digests of everything that it and its model
+were made from; a current build returns at once. A checked build has the RTL's assertions and random power-up states.
+The driver alone, without a board, lies in `build/driver/`. For an installed package, `build` is a
+folder of the user's cache: see `sim.toolchain`.
 """
 
 from __future__ import annotations
@@ -19,13 +20,16 @@ from pathlib import Path
 
 from golden.params import CONFIGS
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
+from sim.coverage.record import coverage_args
 from sim.toolchain import BUILD, ROOT, TOP, WAIVERS, headers, rtl_sources, verilator_env, verilator_root, wave_format
 
 HERE = Path(__file__).parent
 REGISTERS = HERE.parent / "registers" / "gen" / "slog_csr.h"
-VERILATOR_FLAGS = [*VERILATOR_ARGS, *UNROLL, "-O3", "--no-timing", "--x-assign", "fast", "--x-initial", "fast",
-                   # Assertions are for the cocotb builds, here they would cost time; some signals then have no reader.
-                   "+define+SYNTHESIS", "-Wno-UNUSEDSIGNAL", "+define+SLOG_CLOCK_GATE"]
+VERILATOR_FLAGS = [*VERILATOR_ARGS, *UNROLL, "-O3", "--no-timing", "+define+SLOG_CLOCK_GATE"]
+FAST_FLAGS = ["--x-assign", "fast", "--x-initial", "fast", "+define+SYNTHESIS", "-Wno-UNUSEDSIGNAL"]
+"""Without assertions, which cost time; some signals then have no reader."""
+CHECKED_FLAGS = ["--x-assign", "unique", "--x-initial", "unique", "--assert"]
+"""With assertions live, and registers and unknown values from a random seed."""
 NATIVE_CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
 FAST = "-O3"
 """For the code that runs every clock; the rest is compiled quickly."""
@@ -105,12 +109,13 @@ def _link(library: Path, sources: Sequence[Path], flags: Sequence[str | Path], m
     _stamp(library, made_from)
 
 
-def build(config: str = "full", trace: bool = False) -> Path:
+def build(config: str = "full", trace: bool = False, checked: bool = False) -> Path:
     """Path of the shared library of the board, built if it is not current.
 
     Args:
         config: a name of `golden.params.CONFIGS`.
         trace: with wave dump: slower; FST, or VCD where FST's libraries are missing.
+        checked: with the RTL's assertions live and random power-up states: slower.
 
     Raises:
         BuildError: if a tool is missing or fails.
@@ -118,16 +123,20 @@ def build(config: str = "full", trace: bool = False) -> Path:
     """
     CONFIGS[config]
     fst = trace and wave_format() == "fst"
-    folder = BUILD / "verilated" / (config + ("-trace" if trace else ""))
+    coverage = coverage_args()
+    folder = BUILD / "verilated" / (config + "-trace" * trace + "-checked" * checked + "-coverage" * bool(coverage))
+    flags = [*VERILATOR_FLAGS, *(CHECKED_FLAGS if checked else FAST_FLAGS), *(trace_args() if trace else []), *coverage]
     library = folder / "libslog_board.so"
     with locked(folder):
         (folder / "build.log").unlink(missing_ok=True)
-        model = _verilate(config, folder, [*VERILATOR_FLAGS, *(trace_args() if trace else [])])
+        model = _verilate(config, folder, flags)
         made_from = _digest([*sorted(HERE.glob("*.[ch]pp")), REGISTERS], [model])
         if not _current(library, made_from):
             include = verilator_root() / "include"
             _link(library, [HERE / "api.cpp", HERE / "driver_api.cpp"],
-                  [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(fst)}", f"-I{folder}", f"-I{include}",
+                  [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(fst)}", f"-DSLOG_CHECKED={int(checked)}",
+                   f"-DVM_COVERAGE={int(bool(coverage))}",
+                   f"-I{folder}", f"-I{include}",
                    f"-I{include / 'vltstd'}", f"libV{TOP}.a", "libverilated.a", "-pthread",
                    *(["-lz", "-llz4"] if fst else [])], made_from)
     return library
@@ -154,9 +163,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Build the Verilated board.")
     parser.add_argument("--config", choices=sorted(CONFIGS), default="full")
     parser.add_argument("--trace", action="store_true", help="with wave dump; slower")
+    parser.add_argument("--checked", action="store_true", help="with assertions and random power-up states; slower")
     args = parser.parse_args()
     try:
-        product = build(args.config, args.trace)
+        product = build(args.config, args.trace, args.checked)
         print(product.relative_to(ROOT) if product.is_relative_to(ROOT) else product)
     except BuildError as error:
         print(error, file=sys.stderr)

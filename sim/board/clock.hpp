@@ -11,6 +11,9 @@
 #include "Vslog_board.h"
 #include "driver.hpp"
 #include "verilated.h"
+#if VM_COVERAGE
+#include "verilated_cov.h"
+#endif
 #if VM_TRACE_FST
 #include "verilated_fst_c.h"
 using Trace = VerilatedFstC;
@@ -65,6 +68,24 @@ class Clock final : public Bus {
   Camera cameras[kCameras];
   Surface surface;
 
+  // With a power-up seed other than 0, registers of a checked build start with random values; other builds ignore it.
+  explicit Clock([[maybe_unused]] uint32_t power_up) {
+#if SLOG_CHECKED
+    context_.randReset(power_up ? 2 : 0);
+    context_.randSeed(static_cast<int>(power_up));
+    context_.fatalOnError(false);
+    context_.assertOn(true);
+#endif
+    top_ = std::make_unique<Vslog_board>(&context_);
+    Vslog_board& t = *top_;
+    t.clk_i = t.vid_tvalid_i = t.s_axil_awvalid = t.s_axil_wvalid = t.s_axil_arvalid = 0;
+    t.rst_i = 1;
+  }
+
+  // Whether an assertion of the RTL failed; its message is on the standard output.
+  bool asserted() const { return context_.gotError(); }
+  Vslog_board& pins() { return *top_; }
+
   ~Clock() override {
 #if VM_TRACE
     if (trace_) trace_->close();
@@ -82,6 +103,16 @@ class Clock final : public Bus {
     return true;
 #else
     (void)path;
+    return false;
+#endif
+  }
+
+  // Writes Verilator's coverage record; false when this build has none.
+  bool coverage([[maybe_unused]] const char* path) {
+#if VM_COVERAGE
+    context_.coveragep()->write(path);
+    return true;
+#else
     return false;
 #endif
   }
@@ -157,13 +188,26 @@ class Clock final : public Bus {
     return data;
   }
 
-  void tick() {
+  void tick() { edge(settle()); }
+
+  // The first half of a clock: outputs answer the inputs. Returns the cameras that offer a beat, for `edge`.
+  uint32_t settle() {
     Vslog_board& t = *top_;
     const uint32_t valid = drive_cameras();
     t.surf_tready_i = !surface.pause.toss();
     t.clk_i = 0;
+#if SLOG_CHECKED
+    Verilated::threadContextp(&context_);
+    context_.timeInc(kHalf);
+#endif
     t.eval();
     dump(0);
+    return valid;
+  }
+
+  // The second half: what was handed over, then the rising edge.
+  void edge(uint32_t valid) {
+    Vslog_board& t = *top_;
     for (int c = 0; c < kCameras; ++c) {
       if (valid & t.vid_tready_o & 1u << c) {
         ++cameras[c].at;
@@ -177,12 +221,19 @@ class Clock final : public Bus {
       surface.scores.push_back(t.surf_tdata_o);
     }
     t.clk_i = 1;
+#if SLOG_CHECKED
+    context_.timeInc(kHalf);
+#endif
     t.eval();
     dump(1);
     ++clocks_;
   }
 
  private:
+#if SLOG_CHECKED
+  static constexpr uint64_t kHalf = 5;  // half a clock in the model's time: some assertions wait until 200, which is 20 clocks
+#endif
+
   // Drives the video inputs; returns the cameras that offer a beat, as a mask.
   uint32_t drive_cameras() {
     uint32_t data = 0, valid = 0, user = 0, last = 0;
@@ -211,7 +262,7 @@ class Clock final : public Bus {
   }
 
   VerilatedContext context_;
-  std::unique_ptr<Vslog_board> top_ = std::make_unique<Vslog_board>(&context_);
+  std::unique_ptr<Vslog_board> top_;
 #if VM_TRACE
   std::unique_ptr<Trace> trace_;
 #endif

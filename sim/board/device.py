@@ -14,8 +14,10 @@ from golden.params import CONFIGS, Config
 from sim.board.build import build
 from sim.board.driver import SLACK, DeviceError, DeviceTimeout, RegisterDriver
 from sim.board.library import BOARD, SURFACE_BROKEN, load
+from sim.board.structs import Accesses
+from sim.coverage.record import points_file
 
-__all__ = ["Beats", "Device", "DeviceError", "DeviceTimeout", "frame_beats"]
+__all__ = ["Accesses", "Beats", "Device", "DeviceError", "DeviceTimeout", "frame_beats"]
 
 Beats = npt.NDArray[np.uint16]
 """Video beats: grey | start of frame << 8 | end of line << 9."""
@@ -35,17 +37,20 @@ class Device(RegisterDriver):
     Args:
         config: configuration or its name.
         trace: file for a wave dump (a slower build); None for none.
+        checked: take the build with the RTL's assertions live (slower): see `asserted`.
+        power_up: seed of the registers' values at power-up, for a checked build; 0 for all registers 0.
 
     Raises:
         sim.board.build.BuildError: if the board cannot be built.
     """
 
-    def __init__(self, config: Config | str = "full", trace: Path | None = None) -> None:
+    def __init__(self, config: Config | str = "full", trace: Path | None = None, checked: bool = False,
+                 power_up: int = 0) -> None:
         config = CONFIGS[config] if isinstance(config, str) else config
         if CONFIGS.get(config.name) != config:
             raise ValueError(f"{config.name!r} is not a configuration the RTL is generated for")
-        library = load(build(config.name, trace is not None), BOARD)
-        self._board: int | None = library.slog_new()
+        library = load(build(config.name, trace is not None, checked), BOARD)
+        self._board: int | None = library.slog_new(power_up)
         super().__init__(config, library, library.slog_driver(self._board))
         if trace is not None:
             self._lib.slog_trace(self._board, str(trace).encode())
@@ -55,6 +60,9 @@ class Device(RegisterDriver):
     def close(self) -> None:
         """Free the simulation and finish its wave dump."""
         if self._board is not None:
+            points = points_file(f"board-{self.config.name}")
+            if points:
+                self._lib.slog_coverage(self._board, str(points).encode())
             self._lib.slog_free(self._board)
             self._board = None
 
@@ -67,6 +75,24 @@ class Device(RegisterDriver):
     def irq(self) -> bool:
         """The interrupt output."""
         return bool(self._lib.slog_irq(self._board))
+
+    @property
+    def asserted(self) -> bool:
+        """Whether an assertion of the RTL has failed, in a checked build; its message is on the standard output."""
+        return bool(self._lib.slog_asserted(self._board))
+
+    def accesses(self, accesses: Accesses, overlap: int = 1) -> int:
+        """Play register accesses on the five channels of the bus, each in its own time; fills in what was answered.
+
+        Args:
+            accesses: array of `ACCESS_DTYPE`, in order; an access that got no answer keeps `answered` 0.
+            overlap: accesses under way at once; 1 keeps the order of reads and writes among each other.
+
+        Returns:
+            How many rules of AXI4-Lite the board broke: responses without a request or changed before they were taken.
+        """
+        broken: int = self._lib.slog_accesses(self._board, accesses.ctypes.data, len(accesses), overlap)
+        return broken
 
     def tick(self, clocks: int) -> None:
         """Run for some clocks."""

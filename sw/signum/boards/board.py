@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from golden.correlate import Job, Result
 from golden.params import MAX_SIGMA, MIN_SIGMA, Config
+from golden.tables import SLOT_FIELDS, IntTable, check_fields, results_table, table_jobs
 from signum.common.arrays import Image
 
 Surface = NDArray[np.int32]
@@ -299,8 +300,11 @@ class Board(ABC):
 
     def _check_slots(self, job: Job) -> None:
         for slot in (job.tpl_slot, job.search_slot):
-            if not self._usable.get(slot, True):
-                raise BoardError(f"slot {slot} was captured at another image size")
+            self._check_slot(slot)
+
+    def _check_slot(self, slot: int) -> None:
+        if not self._usable.get(slot, True):
+            raise BoardError(f"slot {slot} was captured at another image size")
 
     # ------------------------------------------------------------------------------------ what a back end implements
     @abstractmethod
@@ -330,6 +334,27 @@ class Board(ABC):
     @abstractmethod
     def _surface(self, job: Job) -> tuple[Result, Surface | None]:
         """A job's result and surface; no surface where the job is refused."""
+
+    def _run_table(self, jobs: IntTable) -> IntTable:
+        """Results of a table of jobs, while no others are outstanding."""
+        self._submit(table_jobs(jobs))
+        return results_table(self._collect(len(jobs)))
+
+
+def run_table(board: Board, jobs: IntTable) -> IntTable:
+    """Results of a table of jobs (columns `golden.tables.JOB_FIELDS`), columns `golden.tables.RESULT_FIELDS`: as
+    `run_jobs`, without an object for each of many jobs.
+
+    Raises:
+        ValueError: if a number does not fit its register.
+        BoardError: if a job names a slot captured at another image size, or results are outstanding.
+    """
+    if board.outstanding:
+        raise BoardError("collect the outstanding results before running a table of jobs")
+    check_fields(jobs)
+    for slot in np.unique(jobs[:, SLOT_FIELDS]).tolist():
+        board._check_slot(slot)
+    return board._run_table(jobs)
 
 
 def run_jobs(board: Board, jobs: Sequence[Job]) -> list[Result]:

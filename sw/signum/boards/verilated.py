@@ -22,6 +22,8 @@ class VerilatedBoard(Board):
     Args:
         config: the build.
         trace: file for a wave dump (a slower build); None for none.
+        checked: take the build with the RTL's assertions live (slower).
+        power_up: seed of the registers' values at power-up, for a checked build; 0 for all registers 0.
 
     Raises:
         BoardError: if the RTL cannot be built.
@@ -29,10 +31,11 @@ class VerilatedBoard(Board):
 
     name = "verilated"
 
-    def __init__(self, config: Config = FULL, trace: Path | None = None) -> None:
+    def __init__(self, config: Config = FULL, trace: Path | None = None, checked: bool = False,
+                 power_up: int = 0) -> None:
         super().__init__(config)
         try:
-            self._device = Device(config, trace)
+            self._device = Device(config, trace, checked, power_up)
         except (BuildError, DeviceError) as error:
             raise BoardError(f"the Verilated board does not start: {error}") from error
 
@@ -46,6 +49,11 @@ class VerilatedBoard(Board):
                 (read("build_image.max_width"), read("build_image.max_height")), read("build_window.max_window"))
         except DeviceError as error:
             raise BoardError(str(error)) from error
+
+    @property
+    def asserted(self) -> bool:
+        """Whether an assertion of the RTL has failed, in a checked build; its message is on the standard output."""
+        return self._device.asserted
 
     @property
     def clocks(self) -> int:

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Golden and Verilated board: the same bits for the same calls, from planes to tracks."""
+"""Golden and Verilated board: the same bits for the same calls, from planes to tracks.
 
-import random
+Frames and jobs of the lockstep tests depend on the run's seed; those of the bars (figure 8, tracks) do not.
+"""
+
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -27,6 +29,7 @@ from signum.reproduce import figure8
 from signum.reproduce.reference import SHARED
 from signum.sources.open import open_source
 from sim.board.device import Device, DeviceError, DeviceTimeout
+from sim.seeds import session_rng, session_seed
 
 Pair = tuple[GoldenBoard, VerilatedBoard]
 
@@ -85,14 +88,14 @@ def test_identification(boards: Pair) -> None:
 def test_planes_results_and_surfaces(boards: Pair) -> None:
     config = boards[0].config
     size = (47, 33) if config is TINY else (300, 201)
-    frames = _frames(size, 3)
+    frames = _frames(size, 3, seed=session_seed())
     count = 60 if config is TINY else 40
     for sigma in (1.0, 2.3):
         for board in boards:
             _prepare(board, size, sigma, frames)
         for slot in range(3):
             assert np.array_equal(boards[0].read_plane(slot), boards[1].read_plane(slot))
-        jobs = _jobs(config, size, count, seed=int(10 * sigma))
+        jobs = _jobs(config, size, count, seed=session_seed() + int(10 * sigma))
         results = [run_jobs(board, jobs) for board in boards]
         assert results[0] == results[1] and len(results[0]) == count
         assert len({r.status for r in results[0]}) == 5, "every way to refuse a job must have been met"
@@ -112,7 +115,7 @@ def test_grids(boards: Pair) -> None:
     job = Job(0, 6, 5, w, w, 1, 4, 3, 7, 6, 65530)
     step = (w, w // 2)  # the last column runs off the picture
     for board in boards:
-        _prepare(board, size, 1.5, _frames(size, 3, seed=1))
+        _prepare(board, size, 1.5, _frames(size, 3, seed=session_seed()))
         board.submit_grid(job, (6, 5), step)
     results = [board.collect(30) for board in boards]
     assert results[0] == results[1]
@@ -140,7 +143,7 @@ def test_errors_are_the_same(boards: Pair) -> None:
 def test_captures_between_jobs(others: int) -> None:
     """A capture into a slot of outstanding jobs is refused with the same words, however many jobs are before them; the
     results and the slot stay as they were, and other slots are captured meanwhile."""
-    frames = _frames((48, 36), 5)
+    frames = _frames((48, 36), 5, seed=session_seed())
     seen = []
     with GoldenBoard(TINY) as golden, VerilatedBoard(TINY) as verilated:
         for board in (golden, verilated):
@@ -187,8 +190,8 @@ def test_a_failed_capture_leaves_no_request() -> None:
 def test_captures_race_searches() -> None:
     """Jobs on a slot into which a frame is just captured, at every moment: each result is of the frame before, of the
     new one, or refused, never of a mixture."""
-    rng = random.Random(1)
-    source = np.random.default_rng(1)
+    rng = session_rng("captures race searches")
+    source = np.random.default_rng(rng.getrandbits(32))
     size = (48, 36)
     seen: Counter[str] = Counter()
     with Device(TINY) as device:
