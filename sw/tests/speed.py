@@ -38,7 +38,7 @@ SIZE = (640, 480)
 OVER_OPENCV = {"avx2": 0.8, "avx512": 1.0}
 """Least searches a second over those of `matchTemplate`, TM_CCORR."""
 FRAMES_A_SECOND = {"flow": 20.0, "hold": 25.0, "mosaic": 5.0}
-ONE_CORE = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")}
+ONE_CORE = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1")
 
 
 def processor() -> str:

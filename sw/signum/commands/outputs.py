@@ -19,6 +19,7 @@ from pathlib import Path, PurePosixPath
 
 from signum.common.errors import SignumError
 from signum.common.files import write_text
+from signum.sources.open import split_topic
 
 SOURCES = "source", "left", "right"
 """Parameters that name frames."""
@@ -134,12 +135,10 @@ def move_aside(folder: Path) -> Path:
 def identity(source: str) -> str:
     """A source as the user named it, whatever the spelling: whole path of a file, with the topic of a bag; a camera or
     the simulated world as it is."""
-    file, mark, topic = source.partition("#")
     try:
-        if Path(source).exists():
-            return str(Path(source).resolve())
+        file, topic = split_topic(source)
         if Path(file).exists():
-            return f"{Path(file).resolve()}{mark}{topic}"
+            return f"{Path(file).resolve()}{'#' if topic else ''}{topic}"
     except (OSError, ValueError):  # no name of a file
         pass
     return source.removeprefix("camera:")
@@ -162,7 +161,7 @@ def check_inputs(folder: Path, command: str, values: Mapping[str, object]) -> No
     made = {out / name for name in before.made} if before else set()
     for name, value in values.items():
         if isinstance(value, str | Path):
-            real = Path(identity(str(value)).partition("#")[0])
+            real = Path(split_topic(identity(str(value)))[0])
             if real in made:
                 raise SignumError(f"{value}: signum {command} has made it, and would replace it while reading it: "
                                   "choose another --out")

@@ -45,7 +45,7 @@ def open_source(text: str | Path, calibration: Path | None = None) -> Source:
 def _open(text: str | Path) -> Source:
     if not str(text).strip():
         raise SourceError("the source's name is empty: give a folder of pictures, a video, a bag or a camera's number")
-    file, topic = _split(str(text))
+    file, topic = split_topic(str(text))
     if _is_bag(Path(file)):
         try:
             from signum.sources.bags import BagSource  # loads slowly
@@ -74,7 +74,7 @@ def _open(text: str | Path) -> Source:
     return VideoSource(path)
 
 
-def _split(text: str) -> tuple[str, str]:
+def split_topic(text: str) -> tuple[str, str]:
     """A bag's path and topic: the topic follows the first `#` before which there is a bag, as a folder may have a `#`
     in its name."""
     if not _is_bag(Path(text)):

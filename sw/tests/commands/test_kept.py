@@ -197,6 +197,9 @@ def test_names_of_folders_moved_aside_and_of_sources(tmp_path: Path, monkeypatch
     (tmp_path / "a.bag").touch()
     assert identity("./a.bag#/cam") == f"{tmp_path / 'a.bag'}#/cam" and identity("camera:0") == identity("0") == "0"
     assert identity("world:frames=3") == "world:frames=3"
+    (tmp_path / "dir #1").mkdir()
+    (tmp_path / "dir #1" / "metadata.yaml").touch()
+    assert identity("dir #1#/cam") == f"{tmp_path / 'dir #1'}#/cam" and identity("dir #1") == str(tmp_path / "dir #1")
 
 
 def test_the_demonstration_leaves_a_survey_alone(source: Path, tmp_path: Path) -> None:
