@@ -107,7 +107,9 @@ def _waves() -> bool:
 def _build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
            ports: Sequence[str]) -> Path:
     """Build the simulator of `top`, if it is not current; returns its folder."""
-    build_args = [*BUILD_ARGS, *(trace_args() if _waves() else []), *coverage_args()]
+    build_args = [*BUILD_ARGS, *(trace_args() if _waves() else [])]
+    if coverage_args():  # compiled quickly: the test bench takes longer than the counting
+        build_args += [*coverage_args(), "-CFLAGS", "-O0"]
     made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],
                        [*files, *headers(), START])
     folder = BUILD / "cocotb" / f"{top}-{made_from[:16]}"
