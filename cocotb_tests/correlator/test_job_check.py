@@ -42,12 +42,12 @@ def _no_such_slot() -> list[Job]:
             for slot in range(FULL.slots, 8) for tpl, search in ((slot, 0), (0, slot))]
 
 
-def _jobs(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bool) -> Stimulus:
+def _jobs(rng: random.Random, jobs: list[int], sizes: list[tuple[int, int]], resets: bool) -> Stimulus:
     """Job after job, at once or after a pause; `slot_valid_i` changes as soon as it is no longer needed.
 
     With `resets`, every fifth job is cut by one, and then begins again: every job is answered once."""
     valid = sum(1 << s for s in range(8) if VALID[s])
-    for n, job in enumerate(jobs):
+    for n, (job, size) in enumerate(zip(jobs, sizes, strict=True)):
         fixed = {"job_i": job, "image_width_i": size[0], "image_height_i": size[1]}
         for cut in (True, False) if resets and n % 5 == 4 else (False,):
             yield {**fixed, "rst_i": 0, "start_i": 1, "slot_valid_i": valid}
@@ -71,6 +71,14 @@ async def every_clock(dut, resets: bool) -> None:
     jobs += [JOB.pack({**fit, name: fit[name] + 1})
              for name in ("tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y")]
     jobs += map(pack_job, (*_far(), *_no_such_slot()))
+    sizes = [size] * len(jobs)
+    # Other images, among them the largest and the smallest: a window of the smallest size at the last place that fits.
+    lo = config.min_window
+    for n in range(40):
+        w, h = [(config.max_width, config.max_height), (config.min_image, config.min_image)][n % 2] if n % 4 < 2 else (
+            rng.randint(config.min_image, config.max_width), rng.randint(config.min_image, config.max_height))
+        sizes.append((w, h))
+        jobs.append(pack_job(Job(0, w - lo, h - lo, lo, lo, 2, w - lo - n % 3, h - lo - n // 3 % 3, 2, 2)))
     seen: Counter[Status] = Counter()
 
     def count(_i: Inputs, out: Outputs) -> None:
@@ -78,7 +86,7 @@ async def every_clock(dut, resets: bool) -> None:
             assert out["status_o"] is not None
             seen[Status(out["status_o"])] += 1
 
-    await check_cycles(dut, JobCheckModel(config), _jobs(rng, jobs, size, resets), count)
+    await check_cycles(dut, JobCheckModel(config), _jobs(rng, jobs, sizes, resets), count)
     met("job statuses", {status.name: count for status, count in seen.items()})
     fields = [JOB.unpack(job) for job in jobs]
     met("extreme coordinates", {f"{name} {extreme}": sum(job[name] == extreme for job in fields)

@@ -26,7 +26,7 @@ def _rows(rng: random.Random, shape: str, group: int) -> Stimulus:
             last = int(x == length - 1)
             yield {"bit_valid_i": 1, "bit_i": rng.getrandbits(1), "bit_last_i": last,
                    "bit_start_i": int(x == 0 and n % 5 == 0), "bit_done_i": last & int(n % 5 == 4)}
-            if rng.random() < 0.02:
+            if rng.random() < 0.16 / group:
                 yield {"bit_abort_i": 1, "bit_i": 1, "bit_last_i": 1}
                 break
         if n == 30:
@@ -54,6 +54,6 @@ async def timing_diagram(dut) -> None:
     await check_diagram(dut, "frontend", PackerModel(params()["GroupBits"]))
 
 
-@pytest.mark.parametrize("group_bits", [4, 8])
+@pytest.mark.parametrize("group_bits", [4, 8, 64])  # one and two slices, and those of `full`
 def test_packer(group_bits: int) -> None:
     simulate("slog_packer", __name__, {"GroupBits": group_bits})

@@ -34,7 +34,7 @@ async def every_clock(dut, source: str, held: bool) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
-    met("video", {f"{kind}, source {source}{', held' if held else ''}": 1 for kind in kinds})
+    met("video", {f"{kind}, {how}": 1 for kind in kinds for how in (f"source {source}", f"held {held}")})
     hold = ready_pattern("long", rng) if held else None
     settings = {"width_i": WIDTH, "height_i": HEIGHT}
     await check_cycles(dut, VideoInModel(params()["Radius"]),

@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 
 KINDS = "line", "branch", "toggle"
+MEMORIES = {"slog_ram": "mem_q["}
+"""Signals, by module, that are the words of a memory: data at rest, without toggle points. Their ports have some."""
 _FIELDS = re.compile(r"\x01([^\x02]+)\x02([^\x01]*)")
 
 
@@ -67,7 +69,8 @@ def read(record: Path, rtl: Path) -> Counter[Point]:
         fields = dict(_FIELDS.findall(described))
         kind = fields["page"].removeprefix("v_").partition("/")[0]
         file = Path(fields["f"])
-        if kind in KINDS and file.is_relative_to(rtl):
+        memory = kind == "toggle" and fields["o"].startswith(MEMORIES.get(file.stem, "no memory"))
+        if kind in KINDS and file.is_relative_to(rtl) and not memory:
             point = Point(file, int(fields["l"]), int(fields["n"]), kind, fields["o"])
             hits[point] += int(count)
     return hits

@@ -13,7 +13,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 VARIABLE = "SIGNUM_COVERAGE"
-COVERAGE_ARGS = ("--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096")
+COUNTERS = Path(__file__).with_name("toggle.hpp")
+"""Included in every file of a build: counts the toggles of wide signals."""
+COVERAGE_ARGS = ("--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096",
+                 "-CFLAGS", f"-include {COUNTERS}")
 """Verilator's arguments. Branches come with the lines; wider signals than this have no toggle points."""
 
 

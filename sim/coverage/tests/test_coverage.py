@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from collections import Counter
 from pathlib import Path
 
@@ -12,10 +13,10 @@ from cocotb_tests.env.covered import Stalls
 from sim.coverage import exclusions, functional
 from sim.coverage.page import page
 from sim.coverage.points import Point, merged, read
-from sim.coverage.record import VARIABLE
+from sim.coverage.record import COUNTERS, VARIABLE
 from sim.coverage.verdict import judge
 from sim.testbench.runner import simulate
-from sim.toolchain import RTL
+from sim.toolchain import RTL, verilator_root
 
 FIFO = RTL / "cells" / "slog_fifo.sv"
 
@@ -33,7 +34,8 @@ def records(tmp_path: Path) -> list[Path]:
     first.write_text("# SystemC::Coverage-3\n" + _line(FIFO, 22, "toggle", "out_valid_o:0->1", "a", 0)
                      + _line(FIFO, 22, "toggle", "out_valid_o:0->1", "b", 2)
                      + _line(FIFO, 22, "toggle", "out_valid_o:1->0", "a", 0)
-                     + _line(tmp_path / "tb_x.sv", 1, "line", "block", "t", 5))
+                     + _line(tmp_path / "tb_x.sv", 1, "line", "block", "t", 5)
+                     + _line(RTL / "cells" / "slog_ram.sv", 22, "toggle", "mem_q[3][0]:0->1", "r", 0))
     second.write_text("# SystemC::Coverage-3\n" + _line(FIFO, 22, "toggle", "out_valid_o:0->1", "c", 3)
                       + _line(FIFO, 54, "branch", "else", "c", 0))
     return [first, second]
@@ -48,6 +50,33 @@ def test_points_of_all_instances_and_runs_are_one(records: list[Path]) -> None:
     records[0].write_text("no record\n")
     with pytest.raises(ValueError, match="no coverage record"):
         read(records[0], RTL)
+
+
+WIDE = """
+#include <cstdio>
+#include "verilated.h"
+int main() {
+  uint32_t counts[2 * 99] = {};
+  VlWide<4> now{}, before{};
+  now[0] = 1u << 3;
+  VL_COV_TOGGLE_CHG_ST_W(99, counts, now, before);
+  for (int k = 0; k < 2 * 99; ++k) if (counts[k]) std::printf("%d ", k);
+}
+"""
+
+
+def test_toggles_of_wide_signals_are_counted_bit_by_bit(tmp_path: Path) -> None:
+    """A change of bit 3 is counted for bit 3 alone; Verilator's own function counts it for bits 35 and 67 as well."""
+    (tmp_path / "wide.cpp").write_text(WIDE)
+    include = verilator_root() / "include"
+    seen = []
+    for header in (COUNTERS, include / "verilated_cov.h"):
+        subprocess.run(["g++", "-std=gnu++20", "-w", f"-I{include}", f"-I{include / 'vltstd'}", "-include", header,
+                        "-c", "wide.cpp"], cwd=tmp_path, check=True)
+        subprocess.run(["g++", "wide.o", "-o", "wide", "-Wl,--unresolved-symbols=ignore-all"], cwd=tmp_path, check=True)
+        seen.append(subprocess.run(["./wide"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout.split())
+    assert seen[0] == ["7"]
+    assert len(seen[1]) > 1, "Verilator counts right now: toggle.hpp can go"
 
 
 def test_exclusions_are_reasoned_and_current(records: list[Path], tmp_path: Path) -> None:

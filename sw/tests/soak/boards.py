@@ -55,11 +55,21 @@ class Boards(Part):
             for operation in (*case.operations, {"do": "finish"}):
                 answers = [_answer(board, operation) for board in (golden, verilated)]
                 if answers[0] != answers[1]:
-                    raise Difference(operation["do"], f"golden {answers[0]}, Verilated {answers[1]}"[:1000])
+                    golden_s, verilated_s = _where_they_differ(*answers)
+                    raise Difference(operation["do"], f"golden {golden_s}, Verilated {verilated_s}"[:1000])
                 if verilated.asserted:
                     raise Difference("assertion", f"an assertion failed in {operation['do']}")
                 _count(met, config, golden, operation, answers[0])
         return met
+
+
+def _where_they_differ(one: Any, other: Any) -> tuple[Any, Any]:
+    """The first elements that differ, of two sequences within sequences; or the two themselves."""
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)) and len(one) == len(other):
+        for a, b in zip(one, other, strict=True):
+            if a != b:
+                return _where_they_differ(a, b)
+    return one, other
 
 
 def _operation(rng: random.Random, config: Config, size: tuple[int, int],

@@ -17,7 +17,7 @@ from sim.board.device import Device, DeviceError
 from tests.soak.case import Case, Difference, Operation, Part, config_of, seed, texture
 
 SIGMA = 1.5
-LENGTH = 60
+LENGTH = 25
 
 
 class Races(Part):
