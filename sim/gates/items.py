@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Netlist = Literal["synthesised", "placed", "icarus"]
+Netlist = Literal["synthesised", "icarus"]
 
 
 @dataclass(frozen=True)
@@ -18,8 +18,8 @@ class Item:
         file: with the tests, within `cocotb_tests/`.
         tests: those of its pytest functions that run; all where it is empty.
         reason: why the others do not.
-        netlist: `synthesised`: as Yosys makes it; `placed`: as nextpnr has packed and placed it, of the board only;
-            both in Verilator. `icarus`: the board's bench in Icarus, from all-X, instead of tests.
+        netlist: `synthesised`: as Yosys makes it, in Verilator. `icarus`: the board's in Icarus, from all-X, with a
+            bench instead of tests.
     """
 
     name: str
@@ -61,6 +61,7 @@ ITEMS = (
     Item("correlator", "correlator/test_correlator.py"),
     Item("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
     Item("board_races", "test_board_races.py"),
+    Item("board_icarus", "", netlist="icarus"),
 )
 ELSEWHERE = {
     "test_bench_detects.py": "its modules are broken ones",
