@@ -5,7 +5,7 @@ PYTHON     ?= python3
 CONFIG     ?= full
 JOBS       ?= 2
 BOARD      ?= golden
-MINUTES    ?= 10
+MINUTES    ?= $(if $(filter soak,$(MAKECMDGOALS)),60,10)
 CRASHES    ?= 48
 VENV       := .venv
 PY         := $(VENV)/bin/python
@@ -48,6 +48,14 @@ test: setup ## Every test, on two cores (JOBS=n for others): out/junit.xml
 fuzz: setup ## Damaged inputs of every kind through the commands, counted by outcome: out/fuzz/failures (MINUTES=10; SEED=n repeats)
 	@PYTHONPATH=sw $(PY) -m tests.fuzz --minutes $(MINUTES) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
+.PHONY: soak
+soak: $(VENV)/.installed ## Verilated board with assertions against the frame level, new seeds and power-up states: out/soak (MINUTES=60; SEED=n; REPLAY=file)
+	@PYTHONPATH=sw $(PY) -m tests.soak --jobs $(JOBS) $(if $(REPLAY),--replay $(REPLAY),--minutes $(MINUTES)) $(if $(SEED),--seed $(SEED))
+
+.PHONY: coverage
+coverage: $(VENV)/.installed ## Line, branch, toggle and functional coverage of the RTL by its regression, held to the bars: out/coverage/index.html
+	@$(PY) -m sim.coverage --jobs $(JOBS)
+
 .PHONY: crash
 crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill the disk, remove the folder; compare bytes (SEED=n)
 	@CRASHES=$(CRASHES) $(if $(SEED),SEED=$(SEED)) $(PY) -m pytest -s sw/tests/commands/test_crash.py
@@ -55,6 +63,10 @@ crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill t
 .PHONY: endurance
 endurance: setup ## Memory and time a frame over 2,000 frames of mosaic and 10,000 of track and hold
 	@PYTHONPATH=sw $(PY) -m tests.endurance
+
+.PHONY: speed
+speed: setup ## Searches of the golden board against OpenCV; frames a second of flow, hold and mosaic on one core, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.speed
 
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
@@ -79,8 +91,12 @@ synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.j
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
 .PHONY: formal
-formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
-	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
+formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these; BROKEN=1: each must find a defect)
+	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(if $(BROKEN),--broken) $(PROOFS)
+
+.PHONY: gates
+gates: $(VENV)/.synth ## Modules and the board tiny as netlists of ECP5 cells under their own tests: out/gates/report.json (MODULES="fifo peak": only these)
+	@$(PY) -m sim.gates --jobs $(JOBS) $(MODULES)
 
 .PHONY: mutate
 mutate: $(VENV)/.synth ## Mutants of the RTL against their modules' tests (SAMPLE=30: only as many; MODULES="fifo grid"; GOLDEN=1: of the golden model)

@@ -21,6 +21,7 @@ from golden.log import sign
 from golden.params import TINY
 from golden.traffic.store import plane_words
 from golden.traffic.video import texture
+from sim.coverage.record import met
 from sim.registers.map import address, fields, word
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -164,6 +165,7 @@ async def searches(dut) -> None:
     h = Host(TINY, random.Random(cocotb.RANDOM_SEED))
     await check_cycles(dut, model, h.play(_searches(h, model, seen)), reset_clocks=RESET_START)
     dut._log.info(f"{dict(seen)}")
+    met("captures racing jobs", seen)
     assert min(seen[what] for what in ("refused", "old frame", "new frame", "capture gave way")) >= 3, seen
 
 
@@ -174,6 +176,7 @@ async def peeks(dut) -> None:
     h = Host(TINY, random.Random(cocotb.RANDOM_SEED))
     await check_cycles(dut, model, h.play(_peeks(h, model, seen)), reset_clocks=RESET_START)
     dut._log.info(f"{dict(seen)}")
+    met("captures racing peeks", seen)
     assert seen["old word"] >= 10 and seen["new word"] >= 10, seen
 
 

@@ -15,6 +15,7 @@ from golden.cycle.control.control import ControlModel
 from golden.cycle.model import Inputs, Stimulus
 from golden.params import CONFIGS, Config
 from golden.traffic.stalls import SHAPES, ready_pattern
+from sim.coverage.record import met
 from sim.registers.map import fields
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -180,6 +181,7 @@ async def independent_channels(dut, ahead: int, resets: bool) -> None:
     model = ControlModel(CONFIGS["tiny"], fields())
     await check_cycles(dut, model, _traffic(rng, model, seen, ahead, resets))
     dut._log.info(f"{dict(seen)}")
+    met("register bus", seen)
     least = LEAST | (LEAST_WITH_RESETS if resets else LEAST_WITHOUT_RESETS)
     assert all(seen[what] >= count for what, count in least.items()), {w: seen[w] for w in least if seen[w] < least[w]}
 

@@ -11,6 +11,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.control.peek import PeekModel
 from golden.cycle.model import Inputs, Stimulus, Values
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 CLOCKS = 6000
@@ -94,6 +95,7 @@ async def every_clock(dut) -> None:
     port = PeekPort(bits, words)
     await check_cycles(dut, port, _traffic(random.Random(cocotb.RANDOM_SEED), port, bits, words, seen))
     dut._log.info(f"{dict(seen)}")
+    met("peek under load", seen)
     assert len(seen) == 6 and min(seen.values()) >= 5, seen
 
 

@@ -15,6 +15,7 @@ from golden.params import TINY
 from golden.structs import TICKET, pack_job, unpack_job
 from golden.traffic.jobs import mixed
 from golden.traffic.stalls import SHAPES, ready_pattern
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 SIZE = (47, 35)
@@ -159,6 +160,7 @@ async def full_ring(dut, words: int) -> None:
 
     await check_cycles(dut, FetchModel(TINY), script())
     assert written == [TINY.ring_rows + freed for freed in steps]
+    met("ring", {f"full, rows of {words} words": written.count(TINY.ring_rows), "freed row by row when full": 1})
 
 
 @cocotb.test()

@@ -6,6 +6,7 @@ import random
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from golden.cycle.correlator.grid import GridModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.structs import JOB, unpack_job
@@ -49,6 +50,37 @@ async def every_clock(dut, source: str, sink: str) -> None:
 
     await check_cycles(dut, GridModel(), _commands(rng, source, sink), count)
     assert jobs > CLOCKS // 12 and edge > 0
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "correlator", GridModel())
+
+
+@cocotb.test()
+async def large_grids(dut) -> None:
+    """Grids of up to 1023 jobs across or down, each cut by a reset after its first jobs; then one that ends."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    jobs = 0
+
+    def stimulus() -> Stimulus:
+        for n in range(60):
+            counts = (2, 1) if n == 59 else rng.sample((rng.getrandbits(10), rng.randint(1, 3)), 2)
+            grid = {"job_i": rng.getrandbits(JOB.bits), "step_x_i": rng.getrandbits(10),
+                    "step_y_i": rng.getrandbits(10), "count_x_i": counts[0], "count_y_i": counts[1]}
+            offered = True
+            for _ in range(rng.randint(12, 40)):
+                out = yield {**grid, "job_valid_i": int(offered), "job_ready_i": 1}
+                offered = offered and not out["job_ready_o"]
+            if n < 59:
+                yield {**grid, "rst_i": 1}
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal jobs
+        jobs += bool(out["job_valid_o"] and not i["rst_i"])
+
+    await check_cycles(dut, GridModel(), stimulus(), count)
+    assert jobs > 100
 
 
 def test_grid() -> None:

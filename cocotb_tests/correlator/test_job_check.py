@@ -15,10 +15,12 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import FULL
 from golden.structs import JOB, pack_job
 from golden.traffic.jobs import acceptable, mixed
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 VALID = [True, False, True, True, False, True, True, True]
 """Slots that `slot_valid_i` names: among them 6 and 7, which the board does not have."""
+COORDINATES = "tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y"
 
 
 def _far() -> list[Job]:
@@ -40,15 +42,17 @@ def _no_such_slot() -> list[Job]:
             for slot in range(FULL.slots, 8) for tpl, search in ((slot, 0), (0, slot))]
 
 
-def _jobs(rng: random.Random, jobs: list[int], size: tuple[int, int], resets: bool) -> Stimulus:
-    """Job after job, at once or after a pause; `slot_valid_i` changes as soon as it is no longer needed."""
+def _jobs(rng: random.Random, jobs: list[int], sizes: list[tuple[int, int]], resets: bool) -> Stimulus:
+    """Job after job, at once or after a pause; `slot_valid_i` changes as soon as it is no longer needed.
+
+    With `resets`, every fifth job is cut by one, and then begins again: every job is answered once."""
     valid = sum(1 << s for s in range(8) if VALID[s])
-    for n, job in enumerate(jobs):
+    for n, (job, size) in enumerate(zip(jobs, sizes, strict=True)):
         fixed = {"job_i": job, "image_width_i": size[0], "image_height_i": size[1]}
-        yield {**fixed, "rst_i": 0, "start_i": 1, "slot_valid_i": valid}
-        cut = resets and n % 5 == 4
-        for t in range(CHECK_LATENCY + rng.choice((0, 0, 3))):
-            yield {**fixed, "rst_i": int(cut and t == 4), "start_i": 0, "slot_valid_i": rng.getrandbits(8)}
+        for cut in (True, False) if resets and n % 5 == 4 else (False,):
+            yield {**fixed, "rst_i": 0, "start_i": 1, "slot_valid_i": valid}
+            for t in range(CHECK_LATENCY + rng.choice((0, 0, 3))):
+                yield {**fixed, "rst_i": int(cut and t == 4), "start_i": 0, "slot_valid_i": rng.getrandbits(8)}
 
 
 @cocotb.test()
@@ -67,6 +71,14 @@ async def every_clock(dut, resets: bool) -> None:
     jobs += [JOB.pack({**fit, name: fit[name] + 1})
              for name in ("tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y")]
     jobs += map(pack_job, (*_far(), *_no_such_slot()))
+    sizes = [size] * len(jobs)
+    # Other images, among them the largest and the smallest: a window of the smallest size at the last place that fits.
+    lo = config.min_window
+    for n in range(40):
+        w, h = [(config.max_width, config.max_height), (config.min_image, config.min_image)][n % 2] if n % 4 < 2 else (
+            rng.randint(config.min_image, config.max_width), rng.randint(config.min_image, config.max_height))
+        sizes.append((w, h))
+        jobs.append(pack_job(Job(0, w - lo, h - lo, lo, lo, 2, w - lo - n % 3, h - lo - n // 3 % 3, 2, 2)))
     seen: Counter[Status] = Counter()
 
     def count(_i: Inputs, out: Outputs) -> None:
@@ -74,8 +86,12 @@ async def every_clock(dut, resets: bool) -> None:
             assert out["status_o"] is not None
             seen[Status(out["status_o"])] += 1
 
-    await check_cycles(dut, JobCheckModel(config), _jobs(rng, jobs, size, resets), count)
-    assert sum(seen.values()) == len(jobs) - (len(jobs) // 5 if resets else 0)
+    await check_cycles(dut, JobCheckModel(config), _jobs(rng, jobs, sizes, resets), count)
+    met("job statuses", {status.name: count for status, count in seen.items()})
+    fields = [JOB.unpack(job) for job in jobs]
+    met("extreme coordinates", {f"{name} {extreme}": sum(job[name] == extreme for job in fields)
+                                for name in COORDINATES for extreme in (0, COORDINATE_MAX)})
+    assert sum(seen.values()) == len(jobs)
     assert all(seen[s] >= 5 for s in Status)
 
 

@@ -15,7 +15,9 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer
 
+from cocotb_tests.env.covered import Stalls
 from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus
+from sim.coverage.record import compared, coverage_folder, met
 
 HISTORY = 8
 """Clocks of inputs in the message of a failure."""
@@ -55,6 +57,8 @@ async def check_cycles(
     history: deque[tuple[int, Inputs]] = deque(maxlen=HISTORY)
     last: Inputs = {**idle, "rst_i": 1}
     clocks = 0
+    undefined = dict.fromkeys(model.OUTPUTS, 0)
+    stalls = Stalls((*model.INPUTS, *model.OUTPUTS)) if coverage_folder() else None
     try:
         i = {**idle, **next(stimulus)}
         while True:
@@ -71,15 +75,21 @@ async def check_cycles(
                 got = int(handles[name].value)
                 want = expected[name]
                 seen[name] = got if want is not None else None
+                undefined[name] += want is None
                 if want is not None and got != want:
                     trail = "\n".join(f"  clock {t}: {v}" for t, v in history)
                     raise AssertionError(
                         f"clock {clocks}: {name}: RTL {got:#x}, model {want:#x}; seed {cocotb.RANDOM_SEED}\n{trail}")
             clocks += 1
+            if stalls:
+                stalls.observe(i, seen)
             if observe:
                 observe(i, seen)
             i = {**idle, **stimulus.send(seen)}
     except StopIteration:
         pass
     task.cancel()
+    compared(dut._name, clocks, undefined)
+    if stalls:
+        met(f"stalls of {dut._name}", stalls.counts)
     return clocks

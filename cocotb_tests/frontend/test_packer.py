@@ -7,6 +7,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.cycle.frontend.packer import PackerModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
@@ -48,7 +49,12 @@ async def every_clock(dut, shape: str) -> None:
     assert words > 60
 
 
-@pytest.mark.parametrize("group_bits", [4, 32])
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "frontend", PackerModel(params()["GroupBits"]))
+
+
+@pytest.mark.parametrize("group_bits", [8, 32, 64])  # 8 is also that of the timing diagram
 def test_packer(group_bits: int) -> None:
-    """Words of one slice, and of two."""
+    """Words of one slice, of two, and those of `full`."""
     simulate("slog_packer", __name__, {"GroupBits": group_bits})

@@ -12,6 +12,7 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY
 from golden.traffic.stalls import SHAPES, ready_pattern
 from golden.traffic.video import BAD_KINDS, Beat, bad, good, play, stray, texture
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 WIDTH, HEIGHT = 19, 18
@@ -33,6 +34,7 @@ async def every_clock(dut, source: str, held: bool) -> None:
         for name in counts:
             counts[name] += out[name] or 0
 
+    met("video", {f"{kind}, {how}": 1 for kind in kinds for how in (f"source {source}", f"held {held}")})
     hold = ready_pattern("long", rng) if held else None
     settings = {"width_i": WIDTH, "height_i": HEIGHT}
     await check_cycles(dut, VideoInModel(params()["Radius"]),
@@ -128,27 +130,41 @@ async def cut_by_frames_of_one_beat(dut, frames: int) -> None:
 @cocotb.test()
 @cocotb.parametrize(source=("none", "random"))
 async def aborts_at_any_time(dut, source: str) -> None:
-    """Aborts in and between frames, good and bad: each frame that is begun to be output is either done or aborted."""
+    """Aborts in and between frames, good and bad: each frame that is begun to be output is either done or aborted.
+
+    What becomes of the good frames is not left to chance: in turn they pass, are aborted before or after their output
+    begins, or are followed by an abort. Bad frames are aborted or not.
+    """
     rng = random.Random(cocotb.RANDOM_SEED)
     items = [stray(rng, 30)]
     for kind in (*BAD_KINDS, *BAD_KINDS):
         items += [good(texture(rng, WIDTH, HEIGHT)), bad(kind, texture(rng, WIDTH, HEIGHT), rng)]
     items.append(good(texture(rng, WIDTH, HEIGHT)))
     counts = {"accepted_o": 0, "dropped_o": 0, "px_start_o": 0, "px_abort_o": 0, "px_done_o": 0}
-    in_frames = 0
+    in_frames = clock = starts = 0
+    plan, due = "pass", -1
 
     def count(i: Inputs, out: Outputs) -> None:
-        nonlocal in_frames
+        nonlocal in_frames, clock, starts, plan, due
+        clock += 1
         in_frames += i["abort_i"] and out["busy_o"]
         for name in counts:
             counts[name] += out[name] or 0
+        if i["tvalid_i"] and i["tuser_i"] and out["tready_o"]:  # one start of frame in each item but the stray pixels
+            good_plan = ("pass", "early", "late", "after")[starts // 2 % 4]
+            plan = rng.choice(("pass", "early")) if starts % 2 else good_plan
+            starts += 1
+            due = clock + rng.randrange(150) if plan == "early" else -1
+        elif (plan == "late" and out["px_start_o"]) or (plan == "after" and out["accepted_o"]):
+            due = clock + rng.randrange(120)
 
-    aborts = (int(rng.random() < 0.003) for _ in iter(int, 1))
+    aborts = (int(clock == due) for _ in iter(int, 1))
     await check_cycles(dut, VideoInModel(params()["Radius"]),
                        play(items, {"width_i": WIDTH, "height_i": HEIGHT}, ready_pattern(source, rng), rng, gap=40,
                             abort=aborts), count)
-    assert in_frames >= 6 and counts["px_abort_o"] >= 2
-    assert counts["dropped_o"] > sum(i.drops for i in items)
+    met("video", {"abort in a frame": in_frames, "abort of a frame being output": counts["px_abort_o"]})
+    assert in_frames >= 6 and counts["px_abort_o"] >= 3
+    assert counts["dropped_o"] >= 6 + len(BAD_KINDS)
     assert counts["px_done_o"] == counts["accepted_o"] >= 2
     assert counts["px_start_o"] == counts["px_done_o"] + counts["px_abort_o"]
 

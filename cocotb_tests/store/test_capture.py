@@ -15,6 +15,7 @@ from cocotb_tests.env.params import params
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.capture import CaptureModel
 from golden.cycle.store.capture_channel import HOPS
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 CLOCKS = 3000
@@ -142,6 +143,8 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
         commands.append(i["cmd_valid_i"])
 
     assert await check_cycles(dut, model, _frames_and_commands(rng, p, tight, resets), watch) == CLOCKS
+    met("captures", {"frame kept": seen.captures, "frame aborted": seen.aborted, "request refused": seen.refused,
+                     "gave way to a job": seen.given_up, "both cameras write": seen.both * (p["Cameras"] == 2)})
     assert seen.captures >= 4 and seen.aborted >= 2 and seen.refused >= 12 and seen.given_up >= 1
     assert p["Cameras"] == 1 or seen.both >= 1
 
@@ -174,6 +177,7 @@ async def commands_in_consecutive_clocks(dut) -> None:
             other ^= 1
 
     await check_cycles(dut, model, stimulus())
+    met("captures", {"slot taken in the clock before": taken, "slot freed in the clock before": freed})
     assert taken > 10 and freed > 10
 
 

@@ -35,6 +35,9 @@ int slog_irq(const Board* b) { return b->clock.result_waiting(); }
 int slog_asserted(const Board* b) { return b->clock.asserted(); }
 int slog_trace(Board* b, const char* path) { return b->clock.trace(path); }
 
+// Writes the coverage so far; false when this build counts none.
+int slog_coverage(Board* b, const char* path) { return b->clock.coverage(path); }
+
 void slog_tick(Board* b, uint64_t clocks) {
   for (uint64_t k = 0; k < clocks; ++k) b->clock.tick();
 }
@@ -115,6 +118,7 @@ int64_t slog_surface_waiting(const Board* b) { return static_cast<int64_t>(b->cl
 // Plays register accesses on the five channels, each in its own time (see accesses.hpp); returns how many rules of AXI4-Lite
 // the board broke.
 int64_t slog_accesses(Board* b, SlogAccess* accesses, int64_t count, int overlap) {
+  b->driver.forget();
   return AccessPlayer(b->clock, accesses, count, overlap).play();
 }
 

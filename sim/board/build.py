@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from pathlib import Path
 
 from golden.params import CONFIGS
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
+from sim.coverage.record import coverage_args
 from sim.toolchain import BUILD, ROOT, TOP, WAIVERS, headers, rtl_sources, verilator_env, verilator_root, wave_format
 
 HERE = Path(__file__).parent
@@ -33,8 +35,12 @@ FAST = "-O3"
 """For the code that runs every clock; the rest is compiled quickly."""
 
 
+TOOLS = "g++", "make", "perl"
+"""Programs of the system that a build needs, by the names of their Debian packages, too."""
+
+
 class BuildError(RuntimeError):
-    """A library could not be built; the message holds the end of the log."""
+    """A library could not be built; the message holds the end of the log, or one line that names what is missing."""
 
 
 def _processor() -> str:
@@ -59,6 +65,14 @@ def _stamp(product: Path, made_from: str) -> None:
     product.with_suffix(".digest").write_text(made_from)
 
 
+def _check_tools() -> None:
+    """Say what is missing before a build, whose own messages would not."""
+    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
+    if missing:
+        raise BuildError(f"{', '.join(missing)} not found, which the first use needs to build it: "
+                         f"sudo apt-get install {' '.join(missing)} (the golden board needs no build)")
+
+
 def _run(command: Sequence[str | Path], folder: Path) -> None:
     log = folder / "build.log"
     with log.open("a") as out:
@@ -74,6 +88,7 @@ def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
     made_from = _digest([*sources, *headers(), WAIVERS], flags)
     if _current(model, made_from):
         return made_from
+    _check_tools()
     for old in {*folder.glob("V*"), *folder.glob("*.o"), *folder.glob("*.a")}:
         old.unlink()
     _run([verilator_root() / "bin" / "verilator", "--cc", *flags, "--top-module", TOP, "--prefix", f"V{TOP}", "--Mdir",
@@ -86,6 +101,7 @@ def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
 
 def _link(library: Path, sources: Sequence[Path], flags: Sequence[str | Path], made_from: str) -> None:
     """Compile `sources` into a shared library."""
+    _check_tools()
     fresh = library.with_suffix(".new")
     _run(["g++", FAST, *NATIVE_CXX_FLAGS, "-shared", f"-I{REGISTERS.parent}", *sources, *flags, "-o", fresh],
          library.parent)
@@ -102,13 +118,14 @@ def build(config: str = "full", trace: bool = False, checked: bool = False) -> P
         checked: with the RTL's assertions live and random power-up states: slower.
 
     Raises:
-        BuildError: if a tool fails.
+        BuildError: if a tool is missing or fails.
         KeyError: for an unknown configuration.
     """
     CONFIGS[config]
     fst = trace and wave_format() == "fst"
-    folder = BUILD / "verilated" / (config + "-trace" * trace + "-checked" * checked)
-    flags = [*VERILATOR_FLAGS, *(CHECKED_FLAGS if checked else FAST_FLAGS), *(trace_args() if trace else [])]
+    coverage = coverage_args()
+    folder = BUILD / "verilated" / (config + "-trace" * trace + "-checked" * checked + "-coverage" * bool(coverage))
+    flags = [*VERILATOR_FLAGS, *(CHECKED_FLAGS if checked else FAST_FLAGS), *(trace_args() if trace else []), *coverage]
     library = folder / "libslog_board.so"
     with locked(folder):
         (folder / "build.log").unlink(missing_ok=True)
@@ -118,6 +135,7 @@ def build(config: str = "full", trace: bool = False, checked: bool = False) -> P
             include = verilator_root() / "include"
             _link(library, [HERE / "api.cpp", HERE / "driver_api.cpp"],
                   [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(fst)}", f"-DSLOG_CHECKED={int(checked)}",
+                   f"-DVM_COVERAGE={int(bool(coverage))}",
                    f"-I{folder}", f"-I{include}",
                    f"-I{include / 'vltstd'}", f"libV{TOP}.a", "libverilated.a", "-pthread",
                    *(["-lz", "-llz4"] if fst else [])], made_from)

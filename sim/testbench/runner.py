@@ -16,7 +16,9 @@ from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.runner import Verilator
 
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
+from sim.coverage.record import coverage_args, points_file
 from sim.seeds import session_seed
+from sim.testbench.power_up import ENTRY_POINTS
 from sim.toolchain import BUILD, ROOT, headers, sources_of, verilator_env
 
 START = Path(__file__).with_name("start.cpp")
@@ -25,32 +27,35 @@ AXI_PORTS = "*_i", "*_o", "s_axil_*"
 BENCH_CXX_FLAGS = "-O1 -fPIC -Dmain=slog_simulator_main"
 LIBRARY = BUILD / "cocotb" / f"library-{digest([BENCH_CXX_FLAGS], [])[:8]}"
 """The simulator's own object files, which are the same for every module."""
+EMBEDDED_ARGS = "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)
+"""Verilator's arguments for a simulator that is a library, which an `EmbeddedVerilator` runs."""
 BUILD_ARGS = [*VERILATOR_ARGS, *UNROLL, "--assert", "--timing", "--x-assign", "unique", "--x-initial", "unique",
-              "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)]
+              *EMBEDDED_ARGS]
 LOG_LINES = 80
 """The end of a log that an error shows."""
 
 
-class LeanVerilator(Verilator):
-    """The cocotb runner with two changes.
-
-    It leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the
-    top module are made visible (by a generated control file), and a test bench reads ports only. And the simulator is
-    a library that runs inside the Python executable, so no libpython is needed (see start.cpp).
-    """
+class EmbeddedVerilator(Verilator):
+    """The cocotb runner, but the simulator is a library that runs inside the Python executable, so no libpython is
+    needed (see start.cpp). Build with EMBEDDED_ARGS."""
 
     def _set_env_common(self) -> None:
         self.env["GPI_USERS"] = pygpi_entry_point()
         super()._set_env_common()
 
-    def _build_command(self) -> list[list[str]]:
-        return [[arg for arg in map(str, command) if arg != "--public-flat-rw"]
-                for command in super()._build_command()]
-
     def _test_command(self) -> list[list[str]]:
         [[simulator, *arguments]] = super()._test_command()
         self.env["LD_PRELOAD"] = str(simulator)
         return [[sys.executable, *map(str, arguments)]]
+
+
+class LeanVerilator(EmbeddedVerilator):
+    """Leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the top
+    module are made visible (by a generated control file), and a test bench reads ports only."""
+
+    def _build_command(self) -> list[list[str]]:
+        return [[arg for arg in map(str, command) if arg != "--public-flat-rw"]
+                for command in super()._build_command()]
 
 
 def simulate(
@@ -116,6 +121,8 @@ def build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[st
         more_args: further arguments of Verilator.
     """
     build_args = [*BUILD_ARGS, *more_args, *(trace_args() if _waves() else [])]
+    if coverage_args():  # compiled quickly: the test bench takes longer than the counting
+        build_args += [*coverage_args(), "-CFLAGS", "-O0"]
     made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],
                        [*files, *headers(), START])
     folder = BUILD / "cocotb" / f"{top}-{made_from[:16]}"
@@ -138,7 +145,7 @@ def build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[st
 def _run(runner: Verilator, top: str, folder: Path, test_module: str, params: Mapping[str, int],
          env: Mapping[str, str], testcase: str | None) -> Path:
     """Run the tests of `test_module` on the simulator in `folder`; returns the folder of the run."""
-    waves, seed = _waves(), session_seed()
+    waves, seed, points = _waves(), session_seed(), points_file(top)
     run_dir = folder / f"run-{test_module.rsplit('.', 1)[-1]}-{seed}-{os.getpid()}"
     run_dir.mkdir(exist_ok=True)
     log = run_dir / "run.log"
@@ -148,8 +155,11 @@ def _run(runner: Verilator, top: str, folder: Path, test_module: str, params: Ma
             test_module=test_module, hdl_toplevel=top, build_dir=folder, test_dir=run_dir, seed=seed,
             parameters=params, test_filter=testcase, results_xml=str(run_dir / "results.xml"),
             test_args=["--trace-file", str(run_dir / "waves.fst")] if waves else [],
-            plusargs=["+verilator+rand+reset+2", f"+verilator+seed+{seed}"],
-            extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params), **env},
+            # With random power-up values, bits that are constant would be counted as toggling once, in some runs.
+            plusargs=[f"+verilator+rand+reset+{0 if points else 2}", f"+verilator+seed+{seed}",
+                      *([f"+verilator+coverage+file+{points}"] if points else [])],
+            extra_env={"PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "default", "SLOG_PARAMS": json.dumps(params),
+                       "PYGPI_USERS": ",".join(ENTRY_POINTS), **env},
             log_file=log)
     except (SystemExit, RuntimeError) as error:
         raise AssertionError(f"{test_module} failed (SIGNUM_SEED={seed})\n{tail(log, LOG_LINES)}") from error

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`make coverage`: the regression with coverage recorded, held to its bars; out/coverage/index.html."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from sim.coverage import exclusions, functional
+from sim.coverage.page import page
+from sim.coverage.points import merged
+from sim.coverage.record import VARIABLE
+from sim.coverage.verdict import BARS, Verdict, judge
+from sim.toolchain import ROOT, RTL
+
+OUT = ROOT / "out" / "coverage"
+RECORDS = OUT / "records"
+TESTS = ("cocotb_tests", "sim/board/tests/test_interruptions.py", "sim/board/tests/test_checked.py")
+"""Regressions that are recorded: every test bench, and the Verilated `tiny` board."""
+WITHOUT = "cocotb_tests/test_bench_detects.py"
+"""Runs broken RTL."""
+SOAK = (("tiny", 24), ("full", 2))
+"""Cases of the soak that are recorded, by configuration."""
+
+
+def record(jobs: int, only: list[str] | None = None) -> int:
+    """Run the regressions, each with its record; returns how many of them failed.
+
+    Args:
+        jobs: processes.
+        only: test files instead of all regressions.
+    """
+    shutil.rmtree(RECORDS, ignore_errors=True)
+    environment = {**os.environ, VARIABLE: str(RECORDS), "PYTHONPATH": os.pathsep.join([str(ROOT / "sw"), str(ROOT)])}
+    commands = [[sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "-p", "no:cacheprovider", f"--ignore={WITHOUT}",
+                 *(only or TESTS)]]
+    if not only:
+        soak = [sys.executable, "-m", "tests.soak", "--jobs", str(jobs), "--seed", "1"]
+        commands += [[*soak, "--cases", str(cases), "--config", config, *(("--parts", "boards") * (config != "tiny"))]
+                     for config, cases in SOAK]
+    return sum(bool(subprocess.run(command, cwd=ROOT, env=environment).returncode) for command in commands)
+
+
+def report(records: Path = RECORDS, out: Path = OUT) -> Verdict:
+    """Merge the records, write the page and its figures into `out`.
+
+    Raises:
+        ExclusionError: if the exclusions are not in order.
+    """
+    hits = merged(sorted(records.glob("*.dat")), RTL)
+    reasons = exclusions.apply(exclusions.load(), hits)
+    met, plan = functional.collected(sorted(records.glob("*.json"))), functional.plan()
+    verdict = judge(hits, reasons, met, plan)
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "index.html").write_text(page(hits, reasons, met, plan, verdict))
+    (out / "summary.json").write_text(json.dumps({
+        kind: {"hit": verdict.hit[kind], "points": verdict.total[kind], "percent": round(verdict.share(kind), 3),
+               "excluded": verdict.excluded[kind]} for kind in BARS}, indent=1) + "\n")
+    return verdict
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Record and report; 1 if a bar is not reached or a test failed."""
+    parser = argparse.ArgumentParser(prog="make coverage", description=__doc__)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--report", action="store_true", help="of the last records, without running anything")
+    parser.add_argument("--only", nargs="+", help="these test files instead of all")
+    given = parser.parse_args(arguments)
+    failed = 0 if given.report else record(given.jobs, given.only)
+    try:
+        verdict = report()
+    except exclusions.ExclusionError as error:
+        print(f"coverage: {error}", file=sys.stderr)
+        return 1
+    for kind, bar in BARS.items():
+        print(f"{kind:10} {verdict.share(kind):6.2f} % of {verdict.total[kind]}, {verdict.excluded[kind]} excluded "
+              f"(at least {bar:g} %)")
+    for point in verdict.missing[:40]:
+        print(f"not hit: {point.file.name}:{point.line}: {point.kind} {point.name}")
+    for group, what in verdict.unmet[:40]:
+        print(f"not met: {group}: {what}")
+    print(*verdict.faults, OUT / "index.html", sep="\n")
+    if failed:
+        print("tests failed: see above", file=sys.stderr)
+    return 1 if failed or verdict.faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
