@@ -241,3 +241,8 @@ def test_limits_of_arguments() -> None:
     for count, step in (((1024, 1), (0, 0)), ((1, 0), (0, 0)), ((1, 1), (1024, 0)), ((1, 1), (0, -1))):
         with pytest.raises(ValueError, match="counts must lie"):
             grid(GOOD, count, step)
+
+
+def test_status_codes() -> None:
+    assert {status.name: status.value for status in Status} == {
+        "OK": 0, "BAD_WINDOW": 1, "NO_OFFSETS": 2, "BAD_SLOT": 3, "OUTSIDE": 4}
