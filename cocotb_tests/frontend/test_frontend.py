@@ -127,6 +127,34 @@ async def reset_in_mid_frame(dut) -> None:
     seen.check(last, *_kernels(sigma))
 
 
+@cocotb.test()
+@cocotb.parametrize(how=("abort", "cut"))
+async def dropped_after_a_pause(dut, how: str) -> None:
+    """A frame is dropped after all pixels of its begun output have left: the unit is busy until the abort is out."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    width, height, radius = 18, 20, params()["Radius"]
+    common = _settings(width, height, 1.5)
+    aborts = gaps = 0
+
+    def stimulus() -> Stimulus:
+        nonlocal aborts, gaps
+        yield common
+        for more in range(6):
+            for data, user, last in good(texture(rng, width, height)).beats[:width * (radius + 2 + more % 2) + more]:
+                yield {**common, "tvalid_i": 1, "tdata_i": data, "tuser_i": user, "tlast_i": last}
+            for _ in range(150):
+                yield common
+            yield {**common, "abort_i": 1} if how == "abort" else {**common, "tvalid_i": 1, "tlast_i": 1}
+            was = aborts
+            for _ in range(80):
+                out = yield common
+                aborts += out["frame_abort_o"] or 0
+                gaps += aborts == was and not out["busy_o"]
+
+    await check_cycles(dut, _model(), stimulus())
+    assert aborts == 6 and not gaps
+
+
 def test_frontend() -> None:
     simulate("slog_frontend", __name__,
              {"MaxWidth": TINY.max_width, "Radius": TINY.radius, "GroupBits": TINY.group_bits})
