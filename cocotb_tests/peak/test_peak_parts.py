@@ -130,14 +130,16 @@ def _best(rng: random.Random, shape: str) -> Stimulus:
     waiting: list[int] = []
     tops: list[tuple[int, int]] = []
     coming: tuple[int, int] | None = None
-    y, left, status, top = 0, 0, 0, FEW
+    y, left, status, top, last_x = 0, 0, 0, FEW, 0
     while True:
         if len(waiting) < BANKS and rng.random() < 0.7:
             if not left:
                 y, top = 0, rng.choice((0, FEW, PRESENT - 1))
                 status = rng.choice((0, 0, 0, rng.randint(1, 4)))
                 left = 1 if status else rng.randint(1, 6)
-            waiting.append(_anything(rng, SCORE_ROW, status=status, first=int(y == 0), last=int(left == 1), y=y))
+                last_x = rng.choice((0, 0, 1, 2, rng.getrandbits(10)))
+            waiting.append(_anything(rng, SCORE_ROW, status=status, first=int(y == 0), last=int(left == 1), y=y,
+                                     last_x=last_x))
             y, left = y + 1, left - 1
         pending = sum(SCORE_ROW.unpack(w)["status"] == Status.OK for w in waiting)
         tops += [coming] if coming else []
