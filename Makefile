@@ -64,6 +64,10 @@ crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill t
 endurance: setup ## Memory and time a frame over 2,000 frames of mosaic and 10,000 of track and hold
 	@PYTHONPATH=sw $(PY) -m tests.endurance
 
+.PHONY: speed
+speed: setup ## Searches of the golden board against OpenCV; frames a second of flow, hold and mosaic on one core, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.speed
+
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
 	@$(PY) -m ruff check .
@@ -89,6 +93,14 @@ synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.j
 .PHONY: formal
 formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
 	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
+
+.PHONY: gates
+gates: $(VENV)/.synth ## Modules and the board tiny as netlists of ECP5 cells under their own tests: out/gates/report.json (MODULES="fifo peak": only these)
+	@$(PY) -m sim.gates --jobs $(JOBS) $(MODULES)
+
+.PHONY: mutate
+mutate: $(VENV)/.synth ## Mutants of the RTL against their modules' tests (SAMPLE=30: only as many; MODULES="fifo grid"; GOLDEN=1: of the golden model)
+	@$(PY) -m $(if $(GOLDEN),sim.mutate.golden,sim.mutate --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE)) $(MODULES))
 
 .PHONY: bench
 bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/bench.json

@@ -19,6 +19,7 @@ setup(
     package_data={
         "signum": ["py.typed"],
         "golden": ["py.typed"],
+        "golden.compiled": ["*.[ch]pp"],
         "sim": ["py.typed"],
         "sim.rtl": ["*.*", "**/*.*"],
         "sim.board": ["*.[ch]pp"],

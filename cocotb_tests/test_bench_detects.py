@@ -1,27 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The test bench itself: broken RTL must fail the comparison, and the message must name clock and signal."""
+"""The test benches themselves: a dozen mutants of two modules, chosen by the run's seed, must fail the modules' tests.
 
-from pathlib import Path
+A build holds all listed mutants of a module and costs more than running them, hence several of few modules:
+`make mutate SAMPLE=30` draws more of the same, and `make mutate` runs the whole list.
+"""
 
-import pytest
-
-from sim.testbench.runner import simulate
-from sim.toolchain import RTL
-
-BREAKS = {
-    "late pointer": ("mem_q[head_q]", "mem_q[after(head_q)]", r"clock \d+: out_data_o: RTL"),
-    "off by one": ("in_ready_o  = !held_q[Depth]", "in_ready_o  = !held_q[Depth-1]", r"clock \d+: in_ready_o: RTL"),
-    "lost word": ("push        = in_valid_i &&", "push        = in_valid_i && !pop &&", r"clock \d+: \w+: RTL"),
-}
+from sim.mutate import flow, plan, reasons
+from sim.seeds import session_rng
 
 
-@pytest.mark.parametrize("name", BREAKS)
-def test_broken_rtl_is_found(name: str, tmp_path: Path) -> None:
-    """One defect of the FIFO at a time; without it the FIFO passes `test_fifo.py`."""
-    right, wrong, message = BREAKS[name]
-    source = (RTL / "cells" / "slog_fifo.sv").read_text()
-    assert source.count(right) == 1
-    broken = tmp_path / "slog_fifo.sv"
-    broken.write_text(source.replace(right, wrong))
-    with pytest.raises(AssertionError, match=message):
-        simulate("slog_fifo", "cocotb_tests.cells.test_fifo", {"Width": 8, "Depth": 4}, replaced={"slog_fifo": broken})
+def test_sampled_mutants_are_found() -> None:
+    chosen = plan.sample(plan.QUICK, 2 * plan.EACH, session_rng("mutants"))
+    outcomes, broken = flow.run(chosen, jobs=1)
+    assert len(chosen) >= 2 and len(outcomes) == 2 * plan.EACH
+    assert not broken and not flow.judge(chosen, outcomes, reasons.load())

@@ -9,8 +9,7 @@ import sys
 import cv2
 import numpy as np
 
-from golden.correlate import grid
-from signum import Job, Peak, locate_peaks, open_board
+from signum import Job, Peak, grid, locate_peaks, open_board
 from signum.world.seafloor import photograph
 
 SIZE, SIGMA = (320, 240), 2.0

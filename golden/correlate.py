@@ -30,10 +30,11 @@ CHANCE_DEVIATION = 1.1
 over about this many sigmas. Measured on white noise: 0.92 to 1.2 where the window's side is 6 sigma or more."""
 COORDINATE_MAX = (1 << 10) - 1
 """Largest position, offset count and step; no image is this large, so a saturated position is always outside."""
-_FIELD_MAX = {
+FIELD_MAX = {
     "tag": (1 << TAG_BITS) - 1, "tpl_slot": 7, "search_slot": 7, "width": 255, "height": 255,
     **dict.fromkeys(("tpl_x", "tpl_y", "search_x", "search_y", "offsets_x", "offsets_y"), COORDINATE_MAX),
 }
+"""Largest number that the register of each of a job's fields holds."""
 
 
 class Status(IntEnum):
@@ -71,7 +72,7 @@ class Job:
     surface: bool = False
 
     def __post_init__(self) -> None:
-        for name, top in _FIELD_MAX.items():
+        for name, top in FIELD_MAX.items():
             if not 0 <= getattr(self, name) <= top:
                 raise ValueError(f"{name} is {getattr(self, name)}: must lie in 0..{top}")
 

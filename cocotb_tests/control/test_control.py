@@ -7,6 +7,7 @@ import cocotb
 
 from cocotb_tests.env.axil import AxilMaster
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from golden.cycle.control.control import ControlModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import CONFIGS
@@ -88,6 +89,11 @@ async def every_clock(dut, shape: str, overlap: int) -> None:
     await check_cycles(dut, ControlModel(config, fields()), traffic(rng, config.name, master), count)
     assert master.finished > 120
     assert all(seen.values()), [name for name, times in seen.items() if not times]
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "control", ControlModel(CONFIGS["tiny"], fields()))
 
 
 def test_control() -> None:

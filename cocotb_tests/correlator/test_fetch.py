@@ -163,6 +163,26 @@ async def full_ring(dut, words: int) -> None:
     met("ring", {f"full, rows of {words} words": written.count(TINY.ring_rows), "freed row by row when full": 1})
 
 
+@cocotb.test()
+async def template_beside_a_full_ring(dut) -> None:
+    """The rows of one job fill the ring: the next job's template is read all the same, its search rows wait."""
+    jobs = [pack_job(Job(0, 5, 3, 3, 3, 2, 8, 0, 3, TINY.ring_rows - 2)), pack_job(Job(0, 5, 3, 8, 2, 2, 7, 4, 2, 2))]
+    seen: list[tuple[int, int]] = []
+
+    def script() -> Stimulus:
+        fixed = {"image_width_i": SIZE[0], "image_height_i": SIZE[1], "slot_valid_i": 0xFF, "ticket_ready_i": 1}
+        taken = 0
+        for freed in (0, 3):
+            out: Outputs = {}
+            for _ in range(300):
+                out = yield fixed | {"job_valid_i": int(taken < 2), "job_i": jobs[min(taken, 1)], "rows_freed_i": freed}
+                taken += taken < 2 and bool(out["job_ready_o"])
+            seen.append((out["tpl_done_o"] or 0, out["rows_written_o"] or 0))
+
+    await check_cycles(dut, FetchModel(TINY), script())
+    assert seen == [(3, TINY.ring_rows), (3, TINY.ring_rows + 3)]
+
+
 def test_fetch() -> None:
     c = TINY
     simulate("slog_fetch", __name__,

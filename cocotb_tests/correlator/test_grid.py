@@ -6,6 +6,7 @@ import random
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from golden.cycle.correlator.grid import GridModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.structs import JOB, unpack_job
@@ -75,6 +76,11 @@ async def large_grids(dut) -> None:
 
     await check_cycles(dut, GridModel(), stimulus(), count)
     assert jobs > 100
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "correlator", GridModel())
 
 
 def test_grid() -> None:

@@ -7,6 +7,7 @@ import cocotb
 import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.cycle.frontend.packer import PackerModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
@@ -48,6 +49,11 @@ async def every_clock(dut, shape: str) -> None:
     assert words > 60
 
 
-@pytest.mark.parametrize("group_bits", [8, 64])  # one slice, and the four of `full`
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "frontend", PackerModel(params()["GroupBits"]))
+
+
+@pytest.mark.parametrize("group_bits", [4, 8, 64])  # one slice, and the four of `full`
 def test_packer(group_bits: int) -> None:
     simulate("slog_packer", __name__, {"GroupBits": group_bits})

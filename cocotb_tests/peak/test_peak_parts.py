@@ -7,6 +7,7 @@ from collections import Counter
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.correlate import Status
 from golden.cycle.cells.stage import StageModel
@@ -205,6 +206,15 @@ def _together(rng: random.Random, shape: str) -> Stimulus:
                           for p, g in running.items()}
 
 
+def _parts() -> _SideBySide:
+    """The models of all parts in the bench."""
+    p = params()
+    return _SideBySide(stage=StageModel(), half=StageModel(half=True), rows=PeakRowsModel(),
+                       room=PeakRoomModel(p["ScoreDepth"], p["MaxOffsets"]),
+                       intake=PeakIntakeModel(BANKS), max=RunningMaxModel(), best=PeakBestModel(),
+                       scan=PeakScanModel(BANKS), collect=PeakCollectModel())
+
+
 @cocotb.test()
 @cocotb.parametrize(shape=SHAPES)
 async def every_clock(dut, shape: str) -> None:
@@ -214,13 +224,13 @@ async def every_clock(dut, shape: str) -> None:
     def count(_: Inputs, out: Outputs) -> None:
         seen.update(n for n in COUNTED if out[n])
 
-    p = params()
-    model = _SideBySide(stage=StageModel(), half=StageModel(half=True), rows=PeakRowsModel(),
-                       room=PeakRoomModel(p["ScoreDepth"], p["MaxOffsets"]),
-                       intake=PeakIntakeModel(BANKS), max=RunningMaxModel(), best=PeakBestModel(),
-                       scan=PeakScanModel(BANKS), collect=PeakCollectModel())
-    await check_cycles(dut, model, _together(rng, shape), count)
+    await check_cycles(dut, _parts(), _together(rng, shape), count)
     assert all(seen[n] >= 10 for n in COUNTED), seen
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "peak", _parts())
 
 
 def test_peak_parts() -> None:

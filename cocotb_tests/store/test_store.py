@@ -6,6 +6,7 @@ import random
 import cocotb
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY, StoreModel
@@ -99,6 +100,11 @@ async def latency(dut) -> None:
     await check_cycles(dut, StoreModel(p["Words"]), script(), note)
     assert seen == [(2 + STORE_LATENCY, "read", 0xA5), (5 + 2 * STORE_LATENCY, "peek", 0x3C),
                     (11 + 3 * STORE_LATENCY, "peek", 0xA5)]
+
+
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "store", StoreModel(params()["Words"]))
 
 
 def test_store() -> None:

@@ -14,6 +14,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from enum import EnumType
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -74,9 +75,13 @@ def tables_page() -> str:
     for name, columns, text in schemas():
         file, _, rest = text.partition(":")
         heading = file if file.startswith("`") and "\n" not in file and len(file) < 70 else f"Columns `{name}`"
-        parts += [f"## {heading}", (rest if heading == file else text).strip(), "| Column | Unit |\n| --- | --- |\n"
+        parts += [f"## {heading}", _sentence(rest if heading == file else text), "| Column | Unit |\n| --- | --- |\n"
                   + "\n".join(f"| `{c}` | {unit(name, c)} |" for c in columns)]
     return "\n\n".join(parts) + "\n"
+
+
+def _sentence(text: str) -> str:
+    return text.strip()[:1].upper() + text.strip()[1:]
 
 
 def commands_page() -> str:
@@ -141,17 +146,42 @@ def registers_table() -> str:
     return "\n".join(["| Address | Register | Fields [bits] |", "| --- | --- | --- |", *rows])
 
 
+SECTIONS = {
+    "Boards": "open_board Board BoardError Identification FULL TINY Config",
+    "Jobs and results": "Job grid run_jobs Result Status NO_SCORE locate_peaks Peak",
+    "Frames": "open_source Source Frame read_picture Fit",
+    "Measurements": "Measurer View Query Measurement Reason Rules",
+    "Flow, range, tracks": "measure_flow FlowField measure_range RangeMap Tracker TrackPoint TrackSettings",
+    "Calibration": "read_mono read_stereo Rectifier StereoGeometry",
+    "Mosaics": "Registrar Registration RegistrationLimits Similarity Survey SurveySettings",
+    "Hover": "StationMeter Reading Level MavlinkSink",
+    "Following": "Follower Target RangeEye MotionEye",
+    "Navigation": "Localiser LocaliseLimits Chart Place",
+    "Errors": "SignumError SourceError",
+}
+"""The names of signum's face in the order in which a reader meets them."""
+
+
 def api_page() -> str:
-    """A directive of mkdocstrings for each name of signum's face, by what it is for, in the order of its modules."""
+    """A directive of mkdocstrings for each name of signum's face, by what it is for; the values of enumerations.
+
+    Raises:
+        KeyError: if a name is in no section: add it to SECTIONS.
+    """
     import signum
 
-    homes: dict[str, list[str]] = {}
-    for name in signum.__all__:
-        homes.setdefault(signum._HOME[name], []).append(name)
+    missing = set(signum.__all__) - set(" ".join(SECTIONS.values()).split())
+    if missing:
+        raise KeyError(f"{', '.join(sorted(missing))}: add to SECTIONS in docs/tools/pages.py")
     parts = []
-    for home in signum._MODULES:
-        parts.append(f"## {home.rpartition('.')[2].capitalize()}")
-        parts += [f"::: {home}.{name}" for name in homes.get(home, [])]
+    for title, names in SECTIONS.items():
+        parts.append(f"## {title}")
+        for name in names.split():
+            parts.append(f"::: {signum._HOME[name]}.{name}")
+            thing = getattr(signum, name)
+            if isinstance(thing, EnumType):
+                values = ", ".join(f"`{key}` = {value.value!r}" for key, value in thing.__members__.items())
+                parts.append(f"Values of `{name}`: {values}.")
     return "\n\n".join(parts)
 
 
@@ -175,7 +205,8 @@ def on_files(files: Any, config: Any) -> Any:
 
     for path, text in (("reference/tables.md", tables_page()), ("reference/commands.md", commands_page())):
         files.append(File.generated(config, path, content=text))
-    subprocess.run([sys.executable, "-m", "peakrdl", "html", str(SOURCE), "-o", str(PAGE)], check=True)
+    subprocess.run([sys.executable, "-m", "peakrdl", "html", str(SOURCE), "-o", str(PAGE), "--title",
+                    "Signum registers"], check=True)
     page = PAGE / "index.html"
     page.write_text(re.sub(r"<script async src=\"https://[^>]*></script>", "", page.read_text()))  # no foreign scripts
     for path in sorted(p for p in PAGE.rglob("*") if p.is_file()):

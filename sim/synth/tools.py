@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import re
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 from sim.building import tail
-from sim.toolchain import ROOT
+from sim.toolchain import ROOT, installed_tool
 
 
 def seen(path: Path) -> str:
@@ -35,7 +34,7 @@ def stuck(text: str, patience: int) -> bool:
 
 def run_tool(name: str, log: Path, *args: str | Path, patience: int | None = None) -> bool:
     """Run a tool, its output in `log`; False if it was stopped because it was `stuck` for `patience` rounds."""
-    tool = Path(sys.executable).parent / name
+    tool = installed_tool(name, "synth", "synth")
     words = [seen(a) if isinstance(a, Path) else a for a in args]
     with log.open("w") as out, subprocess.Popen([str(tool), *words], cwd=ROOT, stdout=out,
                                                 stderr=subprocess.STDOUT) as process:

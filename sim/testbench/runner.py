@@ -27,32 +27,35 @@ AXI_PORTS = "*_i", "*_o", "s_axil_*"
 BENCH_CXX_FLAGS = "-O1 -fPIC -Dmain=slog_simulator_main"
 LIBRARY = BUILD / "cocotb" / f"library-{digest([BENCH_CXX_FLAGS], [])[:8]}"
 """The simulator's own object files, which are the same for every module."""
+EMBEDDED_ARGS = "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)
+"""Verilator's arguments for a simulator that is a library, which an `EmbeddedVerilator` runs."""
 BUILD_ARGS = [*VERILATOR_ARGS, *UNROLL, "--assert", "--timing", "--x-assign", "unique", "--x-initial", "unique",
-              "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)]
+              *EMBEDDED_ARGS]
 LOG_LINES = 80
 """The end of a log that an error shows."""
 
 
-class LeanVerilator(Verilator):
-    """The cocotb runner with two changes.
-
-    It leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the
-    top module are made visible (by a generated control file), and a test bench reads ports only. And the simulator is
-    a library that runs inside the Python executable, so no libpython is needed (see start.cpp).
-    """
+class EmbeddedVerilator(Verilator):
+    """The cocotb runner, but the simulator is a library that runs inside the Python executable, so no libpython is
+    needed (see start.cpp). Build with EMBEDDED_ARGS."""
 
     def _set_env_common(self) -> None:
         self.env["GPI_USERS"] = pygpi_entry_point()
         super()._set_env_common()
 
-    def _build_command(self) -> list[list[str]]:
-        return [[arg for arg in map(str, command) if arg != "--public-flat-rw"]
-                for command in super()._build_command()]
-
     def _test_command(self) -> list[list[str]]:
         [[simulator, *arguments]] = super()._test_command()
         self.env["LD_PRELOAD"] = str(simulator)
         return [[sys.executable, *map(str, arguments)]]
+
+
+class LeanVerilator(EmbeddedVerilator):
+    """Leaves out `--public-flat-rw`, which makes every signal public and costs 2-8x in speed: only the ports of the top
+    module are made visible (by a generated control file), and a test bench reads ports only."""
+
+    def _build_command(self) -> list[list[str]]:
+        return [[arg for arg in map(str, command) if arg != "--public-flat-rw"]
+                for command in super()._build_command()]
 
 
 def simulate(
@@ -93,10 +96,10 @@ def simulate(
     if os.environ.get("SIGNUM_GATES"):  # the netlist instead of the RTL: see sim.gates
         from sim.gates.netlist import files as gates  # loads the synthesis flow, whose tools not everybody has
 
-        folder = _build(runner, top, gates(top, config, params, macros), {}, {}, ports)
+        folder = build(runner, top, gates(top, config, params, macros), {}, {}, ports)
     else:
         files = [(replaced or {}).get(path.stem, path) for path in sources_of(top, config, ecp5)]
-        folder = _build(runner, top, files, params, macros, ports)
+        folder = build(runner, top, files, params, macros, ports)
     return _run(runner, top, folder, test_module, params, dict(env or {}), testcase)
 
 
@@ -104,10 +107,20 @@ def _waves() -> bool:
     return os.environ.get("WAVES") == "1"
 
 
-def _build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
-           ports: Sequence[str]) -> Path:
-    """Build the simulator of `top`, if it is not current; returns its folder."""
-    build_args = [*BUILD_ARGS, *(trace_args() if _waves() else [])]
+def build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[str, int], macros: Mapping[str, str],
+           ports: Sequence[str], more_args: Sequence[str] = ()) -> Path:
+    """Build the simulator of `top`, if it is not current; returns its folder.
+
+    Args:
+        runner: cocotb's runner.
+        top: module to simulate.
+        files: sources, packages first.
+        params: parameters of `top`.
+        macros: for the preprocessor.
+        ports: name patterns of `top`'s ports.
+        more_args: further arguments of Verilator.
+    """
+    build_args = [*BUILD_ARGS, *more_args, *(trace_args() if _waves() else [])]
     if coverage_args():  # compiled quickly: the test bench takes longer than the counting
         build_args += [*coverage_args(), "-CFLAGS", "-O0"]
     made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Signum's host side: the names a host script needs, and the only ones whose meaning is kept from version to version.
 
-    from signum import Job, Measurer, Query, locate_peaks, open_board, run_jobs
+    from signum import Job, Measurer, Query, grid, locate_peaks, open_board, run_jobs
 
 - Boards: `open_board` gives a `Board`, built as `FULL` or `TINY` (`Config`): frames in (`capture`), sign planes out
-  (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`), results (`collect`) and whole surfaces
-  (`surface`). `BoardError` is raised for what a board cannot do.
+  (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`, whose jobs `grid` lists), results
+  (`collect`) and whole surfaces (`surface`). `BoardError` is raised for what a board cannot do.
 - Results: a `Job` has a `Result`: the bits of the board. Its `patch` is the 3x3 scores round the best, rows from the
   top, columns from the left. `locate_peaks` turns results into `Peak`s: sub-pixel offsets, and `above_chance`, how many
   standard deviations of a chance score the peak lies above a chance match. A search always has a best place; one that
@@ -36,12 +36,12 @@ __all__ = [
     "MotionEye", "Peak", "Place", "Query", "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar",
     "Registration", "RegistrationLimits", "Result", "Rules", "SignumError", "Similarity", "Source", "SourceError",
     "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings",
-    "Tracker", "View", "locate_peaks", "measure_flow", "measure_range", "open_board", "open_source", "read_mono",
-    "read_picture", "read_stereo", "run_jobs",
+    "Tracker", "View", "grid", "locate_peaks", "measure_flow", "measure_range", "open_board", "open_source",
+    "read_mono", "read_picture", "read_stereo", "run_jobs",
 ]
 
 _MODULES = {
-    "golden.correlate": ("Job", "Result", "Status"),
+    "golden.correlate": ("Job", "Result", "Status", "grid"),
     "golden.params": ("FULL", "NO_SCORE", "TINY", "Config"),
     "signum.applications.follow.eyes": ("MotionEye", "RangeEye"),
     "signum.applications.follow.follower": ("Follower", "Target"),
@@ -72,7 +72,7 @@ _MODULES = {
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 if TYPE_CHECKING:
-    from golden.correlate import Job, Result, Status
+    from golden.correlate import Job, Result, Status, grid
     from golden.params import FULL, NO_SCORE, TINY, Config
     from signum.applications.follow.eyes import MotionEye, RangeEye
     from signum.applications.follow.follower import Follower, Target

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.lint import spdx
+from sim.lint import spdx, tree
+from sim.toolchain import ROOT
 
 
 @pytest.mark.parametrize(("name", "before", "after"), [
@@ -36,3 +37,10 @@ def test_a_file_without_it_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 def test_every_source_has_it() -> None:
     assert spdx.missing() == []
     assert len(spdx.sources()) > 400
+
+
+def test_without_git_the_same_files_are_the_projects(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    listed = tree.project_files()
+    assert ROOT / "README.md" in listed
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert tree.project_files() == listed

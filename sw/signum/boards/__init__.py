@@ -15,8 +15,8 @@ def open_board(name: str, config: Config = FULL) -> Board:
     """A board, to be closed after use (or used in a `with`).
 
     Args:
-        name: one of BOARDS.
-        config: the build.
+        name: `golden`, the model, or `verilated`, the RTL.
+        config: the build: FULL, or TINY for quick tests.
 
     Raises:
         ValueError: for an unknown name.

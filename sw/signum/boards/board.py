@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from golden.correlate import Job, Result
 from golden.params import MAX_SIGMA, MIN_SIGMA, Config
+from golden.tables import SLOT_FIELDS, IntTable, check_fields, results_table, table_jobs
 from signum.common.arrays import Image
 
 Surface = NDArray[np.int32]
@@ -40,7 +41,8 @@ class Identification:
         board: the back end, `golden` or `verilated`.
         configuration: name of the build.
         version: of the register block, major.minor.
-        cameras, slots: their numbers.
+        cameras: their number.
+        slots: their number.
         max_image: largest width and height of an image, pixels.
         max_window: largest width and height of a window, pixels.
     """
@@ -120,12 +122,12 @@ class Board(ABC):
 
         Args:
             size: width and height of a frame, pixels.
-            sigma: width of the LoG's Gaussian, pixels, MIN_SIGMA..MAX_SIGMA.
+            sigma: width of the LoG's Gaussian, pixels, 1 to 4.
 
         Raises:
             BoardError: if the size is outside the build's smallest and largest image or changes while results are
-            outstanding, or if sigma is outside the range or its kernel does not fit the build's radius. The board is
-            then as before.
+                outstanding, or if sigma is outside the range or its kernel does not fit the build's radius. The board
+                is then as before.
         """
         c = self._config
         width, height = size
@@ -161,7 +163,7 @@ class Board(ABC):
 
         Raises:
             BoardError: for a wrong slot, camera, shape or dtype, before `configure`, if results of jobs that name the
-            slot are outstanding (nothing is sent then), or if the frame was dropped.
+                slot are outstanding (nothing is sent then), or if the frame was dropped.
         """
         self._capture_all([(camera, slot, frame)])
 
@@ -196,8 +198,17 @@ class Board(ABC):
             self._note(job, 1)
 
     def submit_grid(self, job: Job, count: tuple[int, int], step: tuple[int, int]) -> None:
-        """Queue a grid of jobs by one command: count (across, down) copies of `job`, in raster order, the template and
-        search positions advanced by `step` (across, down) pixels, the tag counting up by one. Otherwise as `submit`."""
+        """Queue a grid of jobs by one command; `grid(job, count, step)` lists them. Otherwise as `submit`.
+
+        Args:
+            job: the first job. The others, in raster order, are its copies with the template and search positions
+                advanced and the tag counting up by one.
+            count: number of jobs (across, down), 1..1023 each.
+            step: pixels (across, down) from one job to the next, 0..1023.
+
+        Raises:
+            BoardError: as `submit`, or if a count or a step is outside its range.
+        """
         self._check_job(job)
         if min(count) < 1 or max(count) > 1023 or min(step) < 0 or max(step) > 1023:
             raise BoardError(f"grid of {count} with steps {step}: counts are 1..1023 and steps 0..1023")
@@ -289,8 +300,11 @@ class Board(ABC):
 
     def _check_slots(self, job: Job) -> None:
         for slot in (job.tpl_slot, job.search_slot):
-            if not self._usable.get(slot, True):
-                raise BoardError(f"slot {slot} was captured at another image size")
+            self._check_slot(slot)
+
+    def _check_slot(self, slot: int) -> None:
+        if not self._usable.get(slot, True):
+            raise BoardError(f"slot {slot} was captured at another image size")
 
     # ------------------------------------------------------------------------------------ what a back end implements
     @abstractmethod
@@ -320,6 +334,27 @@ class Board(ABC):
     @abstractmethod
     def _surface(self, job: Job) -> tuple[Result, Surface | None]:
         """A job's result and surface; no surface where the job is refused."""
+
+    def _run_table(self, jobs: IntTable) -> IntTable:
+        """Results of a table of jobs, while no others are outstanding."""
+        self._submit(table_jobs(jobs))
+        return results_table(self._collect(len(jobs)))
+
+
+def run_table(board: Board, jobs: IntTable) -> IntTable:
+    """Results of a table of jobs (columns `golden.tables.JOB_FIELDS`), columns `golden.tables.RESULT_FIELDS`: as
+    `run_jobs`, without an object for each of many jobs.
+
+    Raises:
+        ValueError: if a number does not fit its register.
+        BoardError: if a job names a slot captured at another image size, or results are outstanding.
+    """
+    if board.outstanding:
+        raise BoardError("collect the outstanding results before running a table of jobs")
+    check_fields(jobs)
+    for slot in np.unique(jobs[:, SLOT_FIELDS]).tolist():
+        board._check_slot(slot)
+    return board._run_table(jobs)
 
 
 def run_jobs(board: Board, jobs: Sequence[Job]) -> list[Result]:

@@ -16,9 +16,23 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from golden import correlate, log
+from golden.compiled.calls import Packed, choose, unpack
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
+from golden.tables import (
+    JOB_FIELDS,
+    IntTable,
+    check_table,
+    jobs_table,
+    refused_table,
+    results_table,
+    table_jobs,
+    table_results,
+)
 from signum.boards.board import Board, Identification, Surface
 from signum.common.arrays import Image
 
@@ -28,25 +42,35 @@ REGISTER_VERSION = "1.1"
 """Version of the register block whose board this model computes (`rtl/control/slog_csr.rdl`)."""
 
 
-def job_clocks(job: Job, config: Config) -> int:
-    """Estimated clocks one accepted job occupies the array, with a full queue."""
-    steps = job.height if job.width > config.group_bits else -(-job.height // 2)
-    passes = max(1, -(-(job.offsets_x - 1) // config.pitch))
-    last = job.offsets_x - (passes - 1) * config.pitch
-    row = (passes - 1) * max(steps, config.pitch) + max(steps, last)
-    words = -(-(job.width + job.offsets_x - 1) // config.group_bits) + 1
-    load = words * (job.height + job.offsets_y - 1) + (-(-job.width // config.group_bits) + 1) * job.height
-    return max(row * job.offsets_y, load)
+def job_clocks(jobs: IntTable, config: Config) -> NDArray[np.int64]:
+    """Estimated clocks that each accepted job of a table occupies the array, with a full queue; (n,)."""
+    width, height, nx, ny = (jobs[:, JOB_FIELDS.index(name)].astype(np.int64)
+                             for name in ("width", "height", "offsets_x", "offsets_y"))
+    steps = np.where(width > config.group_bits, height, -(-height // 2))
+    passes = np.maximum(1, -(-(nx - 1) // config.pitch))
+    last = nx - (passes - 1) * config.pitch
+    row = (passes - 1) * np.maximum(steps, config.pitch) + np.maximum(steps, last)
+    words = -(-(width + nx - 1) // config.group_bits) + 1
+    load = words * (height + ny - 1) + (-(-width // config.group_bits) + 1) * height
+    return np.asarray(np.maximum(row * ny, load), np.int64)
 
 
 class GoldenBoard(Board):
-    """A board computed with NumPy and OpenCV integers; `config` is the build whose results it gives."""
+    """A board computed on this machine, by the compiled kernel or, where it cannot be had, with NumPy and OpenCV; the
+    bits are the same. `config` is the build whose results it gives.
+
+    Raises:
+        ValueError: if the environment's `SIGNUM_KERNEL` asks for a kernel that there is not.
+    """
 
     name = "golden"
 
     def __init__(self, config: Config = FULL) -> None:
         super().__init__(config)
-        self._planes: list[Image | None] = [None] * config.slots
+        self._kernel, self.arithmetic = choose()
+        """What computes: the compiled kernel's variant, or NumPy and why."""
+        self._planes: dict[int, Image] = {}
+        self._packed: dict[int, Packed] = {}
         self._results: deque[Result] = deque()
         self._clocks = 0
         self._counts = {key: 0 for camera in range(config.cameras) for key in (f"frames_{camera}", f"drops_{camera}")}
@@ -68,23 +92,24 @@ class GoldenBoard(Board):
     def _configure(self, size: tuple[int, int], sigma: float) -> None:
         log.kernels(sigma, self.config.radius)  # raises where the kernel does not fit
         if size != self.image_size:
-            self._planes = [None] * self.config.slots
+            self._planes.clear()
+            self._packed.clear()
 
     def _capture(self, frames: Sequence[tuple[int, int, Image]]) -> None:
         for camera, slot, frame in frames:
-            self._planes[slot] = log.sign(frame, self.sigma, self.config.radius)
+            if self._kernel:
+                self._packed[slot] = self._kernel.sign(frame, self.sigma, self.config.radius)
+            else:
+                self._planes[slot] = log.sign(frame, self.sigma, self.config.radius)
             self._counts[f"frames_{camera}"] += 1
         width, height = self.image_size
         self._clocks += width * (height + self.config.radius) + PIPELINE_CLOCKS
 
     def _read_plane(self, slot: int) -> Image:
-        plane = self._planes[slot]
-        assert plane is not None
-        return plane.copy()
+        return unpack(self._packed[slot], self.image_size[0]) if self._kernel else self._planes[slot].copy()
 
     def _submit(self, jobs: Sequence[Job]) -> None:
-        for job in jobs:
-            self._results.append(self._run(job)[0])
+        self._results += table_results(self._run_table(jobs_table(jobs)), [job.tag for job in jobs])
 
     def _submit_grid(self, job: Job, count: tuple[int, int], step: tuple[int, int]) -> None:
         self._submit(correlate.grid(job, count, step))
@@ -93,19 +118,37 @@ class GoldenBoard(Board):
         return [self._results.popleft() for _ in range(count)]
 
     def _surface(self, job: Job) -> tuple[Result, Surface | None]:
-        return self._run(job)
+        table = jobs_table([job])
+        status = self._check(table)[0]
+        if status != Status.OK:
+            return Result(job.tag, Status(status)), None
+        if not self._kernel:
+            surface = correlate.surface(self._planes[job.tpl_slot], self._planes[job.search_slot], job)
+            return Result(job.tag, Status.OK, *correlate.peak(surface)), surface
+        found, surface = self._kernel.surface(table, self._packed)
+        return table_results(found, [job.tag])[0], surface
 
-    def _run(self, job: Job) -> tuple[Result, Surface | None]:
-        status = correlate.check(job, self.config, self.image_size, [plane is not None for plane in self._planes])
-        if status is not Status.OK:
-            self._counts["refused"] += 1
-            return Result(job.tag, status), None
-        template, search = self._planes[job.tpl_slot], self._planes[job.search_slot]
-        assert template is not None and search is not None
-        surface = correlate.surface(template, search, job)
-        clocks = job_clocks(job, self.config)
+    def _run_table(self, jobs: IntTable) -> IntTable:
+        status = self._check(jobs)
+        good = status == Status.OK
+        table = refused_table(len(jobs))
+        table[:, 0] = status
+        if self._kernel:
+            table[good] = self._kernel.search(jobs[good], self._packed)
+        else:
+            table[good] = results_table([correlate.run(job, self._planes, self.config, self.image_size)
+                                         for job in table_jobs(jobs[good])])
+        return table
+
+    def _check(self, jobs: IntTable) -> NDArray[np.int64]:
+        """Statuses of jobs, which are counted with the clocks that they take."""
+        held = self._packed if self._kernel else self._planes
+        status = check_table(jobs, self.config, self.image_size, [slot in held for slot in range(self.config.slots)])
+        good = jobs[status == Status.OK]
+        clocks = int(job_clocks(good, self.config).sum())
         self._clocks += clocks
-        self._counts["jobs"] += 1
+        self._counts["jobs"] += len(good)
+        self._counts["refused"] += len(jobs) - len(good)
         self._counts["busy_clocks"] += clocks
-        self._counts["scores"] += surface.size
-        return Result(job.tag, status, *correlate.peak(surface)), surface
+        self._counts["scores"] += int((good[:, -2:].astype(np.int64).prod(axis=1)).sum())
+        return status

@@ -18,6 +18,7 @@ import typer
 
 from signum.boards.board import BoardError
 from signum.commands.options import MegapixelsOption
+from signum.commands.outputs import check_inputs
 from signum.common.checks import MEGAPIXELS, megapixels, option
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
@@ -76,6 +77,8 @@ def _checked(function: Callable[..., None]) -> Callable[..., None]:
             option(value, _shown(signature.parameters[name]))
         if OUTPUT in values and not str(values[OUTPUT]).isprintable():
             raise SignumError(f"--out {values[OUTPUT]}: expected a folder's name in UTF-8 without control characters")
+        if isinstance(output := values.get(OUTPUT), Path):
+            check_inputs(output, function.__name__.rstrip("_"), {k: v for k, v in values.items() if k != OUTPUT})
         with megapixels(largest):
             function(**values)
 

@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 from rich.table import Table as Grid
 
+from signum.boards.golden import GoldenBoard
 from signum.commands.app import command
 from signum.commands.options import BoardOptions
 from signum.commands.session import board_of
@@ -25,6 +26,8 @@ def info(board: BoardOptions = BOARD_DEFAULTS) -> None:
         grid = Grid(show_header=False, box=None)
         build = {name: value for name, value in asdict(opened.config).items() if name != "name"}
         about = asdict(opened.identification) | build | {"lanes": opened.config.lanes}
+        if isinstance(opened, GoldenBoard):
+            about["arithmetic"] = opened.arithmetic
         for name, value in (about | opened.counters()).items():
             grid.add_row(name, str(value))
         out.print(grid)

@@ -71,8 +71,10 @@ class GroundOptions:
         """How a component of the mosaic is placed on the ground; None where nothing is known.
 
         Raises:
-            SignumError: for a range without a focal length.
+            SignumError: for a range without a focal length, or a code of coordinates without any.
         """
+        if self.epsg and self.navigation is None:
+            raise SignumError("--epsg is of the coordinates in a --navigation log: add it, or leave --epsg out")
         if self.navigation is not None:
             log = read_track(self.navigation, label)
             return lambda poses, _: ground_by_log(poses, log, self.epsg)

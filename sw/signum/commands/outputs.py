@@ -12,13 +12,17 @@ import errno
 import fcntl
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from signum.common.errors import SignumError
 from signum.common.files import write_text
+from signum.sources.open import split_topic
+
+SOURCES = "source", "left", "right"
+"""Parameters that name frames."""
 
 
 @dataclass(frozen=True)
@@ -131,19 +135,49 @@ def move_aside(folder: Path) -> Path:
 def identity(source: str) -> str:
     """A source as the user named it, whatever the spelling: whole path of a file, with the topic of a bag; a camera or
     the simulated world as it is."""
-    file, mark, topic = source.partition("#")
     try:
-        if Path(source).exists():
-            return str(Path(source).resolve())
+        file, topic = split_topic(source)
         if Path(file).exists():
-            return f"{Path(file).resolve()}{mark}{topic}"
+            return f"{Path(file).resolve()}{'#' if topic else ''}{topic}"
     except (OSError, ValueError):  # no name of a file
         pass
     return source.removeprefix("camera:")
 
 
+def check_inputs(folder: Path, command: str, values: Mapping[str, object]) -> None:
+    """Check that a command does not replace what it reads, and does not write among the pictures it reads.
+
+    Args:
+        folder: that it writes into, which need not exist.
+        command: its name.
+        values: of its parameters, by their names.
+
+    Raises:
+        SignumError: if it would.
+    """
+    if not folder.is_dir():
+        return
+    out, before = folder.resolve(), _read(folder / f"run-{command}.jsonl")
+    made = {out / name for name in before.made} if before else set()
+    for name, value in values.items():
+        if isinstance(value, str | Path):
+            real = Path(split_topic(identity(str(value)))[0])
+            if real in made:
+                raise SignumError(f"{value}: signum {command} has made it, and would replace it while reading it: "
+                                  "choose another --out")
+            if name in SOURCES and real == out:
+                raise SignumError(f"--out {folder}: is the folder of the frames, where pictures that are written would "
+                                  "count as frames: choose another --out")
+
+
 def _read(path: Path) -> _Record | None:
-    """A record; None if there is none that can be read. Names that leave the folder are left out."""
+    """A record; None if there is none that can be read. Names that leave the folder are left out.
+
+    Raises:
+        SignumError: if something else is in its place.
+    """
+    if path.exists() and not path.is_file():
+        raise SignumError(f"{path}: not a file, where signum keeps its record: move it away, or choose another --out")
     try:
         head, *lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
         values = json.loads(head)

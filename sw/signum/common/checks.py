@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import stat
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -166,7 +167,8 @@ def option(value: object, name: str) -> None:
     if isinstance(value, bool):
         return
     if isinstance(value, int | float):
-        within(float(value) if abs(value) < 1e300 else math.inf, name, -LARGEST_NUMBER, LARGEST_NUMBER)
+        huge = isinstance(value, int) and abs(value) > sys.float_info.max
+        within(math.inf if huge else float(value), name, -LARGEST_NUMBER, LARGEST_NUMBER)
     if isinstance(value, str | Path):
         text = str(value)
         if "\0" in text or len(text) > LONGEST_TEXT:

@@ -22,6 +22,7 @@ from PIL import UnidentifiedImageError
 from signum.common.arrays import Image
 from signum.common.checks import check_pixels, printable, read_bytes
 from signum.common.errors import SourceError
+from signum.frames.eight import EightBits
 
 PilImage.MAX_IMAGE_PIXELS = None  # `check_pixels` has a limit of its own
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -100,22 +101,26 @@ def grey(picture: Image) -> Image:
     return picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
 
 
-def read_picture(file: Path) -> Image:
-    """Read an 8-bit picture, grey or colour.
+def read_picture(file: Path, eight: EightBits | None = None) -> Image:
+    """Read a picture, grey or colour, in 8 bits.
+
+    Args:
+        file: of the picture.
+        eight: how a deeper picture is mapped to 8 bits; by default a mapping of its own, which is told of.
 
     Raises:
-        SourceError: if it is missing, no file, broken, cut short, larger than the limit, or not 8-bit.
+        SourceError: if it is missing, no file, broken, cut short or larger than the limit.
     """
-    raw = read_any_picture(file)
-    if raw.dtype != np.uint8:
-        bits = 8 * raw.dtype.itemsize
-        raise SourceError(f"{file}: a {bits}-bit picture; signum takes 8-bit grey or colour: "
-                          f"convert it, e.g. `convert {file.name} -normalize -depth 8 {file.stem}_8bit.png`")
-    if raw.ndim == 3 and raw.shape[2] == 4:
-        raw = raw[:, :, :3]
-    elif raw.ndim == 3 and raw.shape[2] != 3:
-        raw = raw[:, :, 0]
-    return np.ascontiguousarray(raw, np.uint8)
+    return plain((eight or EightBits(str(file)))(read_any_picture(file), file.name))
+
+
+def plain(picture: Image) -> Image:
+    """A decoded picture (H, W) or (H, W, channels) as frames have it: grey, or blue, green, red, without more."""
+    if picture.ndim == 3 and picture.shape[2] == 4:
+        picture = picture[:, :, :3]
+    elif picture.ndim == 3 and picture.shape[2] != 3:
+        picture = picture[:, :, 0]
+    return np.ascontiguousarray(picture, np.uint8)
 
 
 def read_any_picture(file: Path) -> NDArray[np.generic]:

@@ -19,7 +19,8 @@ class FlowField:
 
     Attributes:
         x: (nx,) and y: (ny,) window centres in the first frame, pixels.
-        dx, dy: (ny, nx) displacement to the second frame, pixels; NaN where the measurement is not valid.
+        dx: (ny, nx) displacement to the second frame, pixels right; NaN where the measurement is not valid.
+        dy: the same, pixels down.
         score: (ny, nx) matching fraction.
     """
 
@@ -50,7 +51,8 @@ def measure_flow(
 
     Args:
         measurer: took both views.
-        before: the earlier view; after: the later one.
+        before: the earlier view.
+        after: the later one.
         window: width and height, pixels.
         step: grid spacing, pixels.
         reach: search range around `guess`, across and down, pixels.

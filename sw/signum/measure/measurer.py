@@ -4,7 +4,7 @@
 A `Measurer` turns frames into `View`s (sign planes kept on the board) and answers `Query`s with `Measurement`s, each
 validated by itself: score of the peak, margin over the runner-up, position of the peak inside the search, texture of
 the window, and a backward search that must return to the start (`validity`). Applications see views and measurements;
-slots and jobs are hidden in this module, bits and their peaks in `peak`.
+slots and jobs are hidden in this module and in `batch`.
 
 Pixels are those of the frames given to `view`; x to the right, y down.
 """
@@ -12,16 +12,17 @@ Pixels are those of the frames given to `view`; x to the right, y down.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from golden.correlate import Job, Status
-from signum.boards.board import Board, BoardError, run_jobs
-from signum.common.arrays import Image
-from signum.measure.peak import Peak, locate_peaks
+from golden.correlate import Status
+from signum.boards.board import Board, BoardError, run_table
+from signum.common.arrays import Floats, Image
+from signum.measure.batch import Peaks, Searches
 from signum.measure.subpixel import PeakFit
-from signum.measure.validity import Reason, Rules, judge_peak
+from signum.measure.validity import PASSED, REASONS, Reason, Rules, judge_peaks
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,10 @@ class Query:
     height: int
     guess: tuple[float, float] = (0.0, 0.0)
     reach: tuple[int, int] = (16, 16)
+
+
+Window = tuple[View, tuple[int, int, int, int]]
+"""A window of a view: x and y of its centre, width, height."""
 
 
 class Measurer:
@@ -162,28 +167,22 @@ class Measurer:
         self._own_board()
         self._check_own(*(view for q in queries for view in (q.reference, q.live)))
         rules = rules or self.rules
-        answers = [Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE)] * len(queries)
-        jobs = [(i, job) for i, q in enumerate(queries) if (job := _search(q)) is not None]
-        found = self._peaks([job for _, job in jobs], rules.fit)
-        passed: list[int] = []
-        for (i, _), peak in zip(jobs, found, strict=True):
-            reason = judge_peak(peak, rules)
-            answers[i] = Measurement(peak.dx, peak.dy, peak.score, peak.margin, reason is Reason.NONE, reason,
-                                     peak.above_chance)
-            if answers[i].valid:
-                passed.append(i)
-        if rules.texture and passed:
-            likeness = self._likeness([queries[i] for i in passed])
-            for i, value in zip(passed, likeness, strict=True):
-                if value > rules.max_likeness:
-                    answers[i] = _refuse(answers[i], Reason.TEXTURE)
-            passed = [i for i in passed if answers[i].valid]
-        if rules.backward and passed:
-            back = [_backward(queries[i], answers[i]) for i in passed]
-            for i, miss in zip(passed, self._misses(back, [answers[i] for i in passed], rules), strict=True):
-                if miss > rules.max_return_px:
-                    answers[i] = _refuse(answers[i], Reason.RETURN)
-        return answers
+        searches = _searches(queries)
+        which, peaks = self._peaks(searches, rules.fit)
+        refused = np.full(len(queries), REASONS.index(Reason.OUTSIDE))
+        refused[which] = judge_peaks(peaks, rules)
+        values = np.zeros((len(queries), 5))  # dx, dy, score, margin, above chance
+        values[which] = np.stack([peaks.dx, peaks.dy, peaks.score, peaks.margin, peaks.above_chance], axis=1)
+        if rules.texture:
+            passed = np.flatnonzero(refused == PASSED)
+            likeness = self._likeness([_window(queries[i]) for i in passed.tolist()])
+            refused[passed[likeness > rules.max_likeness]] = REASONS.index(Reason.TEXTURE)
+        if rules.backward:
+            passed = np.flatnonzero(refused == PASSED)
+            miss = self._misses(searches.some(passed), values[passed, :2], rules)
+            refused[passed[miss > rules.max_return_px]] = REASONS.index(Reason.RETURN)
+        return [Measurement(dx, dy, score, margin, reason == PASSED, REASONS[reason], chance)
+                for (dx, dy, score, margin, chance), reason in zip(values.tolist(), refused.tolist(), strict=True)]
 
     def likeness(self, view: View, windows: Iterable[tuple[int, int, int, int]]) -> list[float]:
         """How much windows (x, y of the centre, width, height) look like themselves two pixels or more away.
@@ -195,35 +194,36 @@ class Measurer:
             BoardError: if the board was configured again.
         """
         self._check_own(view)
-        return self._likeness([Query(view, view, x, y, w, h) for x, y, w, h in windows])
+        return list(map(float, self._likeness([(view, window) for window in windows])))
 
-    def _likeness(self, queries: Sequence[Query]) -> list[float]:
-        wanted = {}
-        reach = max(3, round(3 * self.sigma))
-        for q in queries:
-            key = (q.x, q.y, q.width, q.height)
-            if key not in q.reference._texture:
-                wanted[id(q.reference), key] = Query(q.reference, q.reference, *key, reach=(reach, reach))
-        checks = [(q, job) for q in wanted.values() if (job := _search(q)) is not None]
-        base = white_match(2.0, self.sigma)
-        results = run_jobs(self._own_board(), [job for _, job in checks])
-        for (q, job), result in zip(checks, results, strict=True):
-            match = result.runner_up / (job.width * job.height) if result.status is Status.OK else 1.0
-            q.reference._texture[q.x, q.y, q.width, q.height] = (match - base) / (1 - base)
-        return [q.reference._texture.get((q.x, q.y, q.width, q.height), 1.0) for q in queries]
+    def _likeness(self, windows: Sequence[Window]) -> Floats:
+        """As `likeness`, of windows of any views; a view keeps what was measured."""
+        wanted = list({(view, key): None for view, key in windows if key not in view._texture})
+        if wanted:
+            reach = max(3, round(3 * self.sigma))
+            whole = np.array([(view._slot, view._slot, *key, reach, reach) for view, key in wanted], np.int64)
+            jobs, which = Searches.of(whole, np.zeros((len(whole), 2))).jobs(self.size)
+            results = run_table(self._own_board(), jobs)
+            match = np.ones(len(whole))
+            match[which] = np.where(results[:, 0] == Status.OK, results[:, -1] / (jobs[:, 3] * jobs[:, 4]), 1.0)
+            base = white_match(2.0, self.sigma)
+            for (view, key), value in zip(wanted, ((match - base) / (1 - base)).tolist(), strict=True):
+                view._texture[key] = value
+        return np.array([view._texture[key] for view, key in windows], np.float64)
 
-    def _misses(self, queries: Sequence[Query], forward: Sequence[Measurement], rules: Rules) -> list[float]:
-        """Distance between the end of each backward query and the start of its forward one, pixels; infinite where the
-        backward query has no answer."""
-        misses = [float("inf")] * len(queries)
-        jobs = [(i, job) for i, q in enumerate(queries) if (job := _search(q)) is not None]
-        for (i, _), peak in zip(jobs, self._peaks([job for _, job in jobs], rules.fit), strict=True):
-            if peak.status is Status.OK:
-                misses[i] = float(np.hypot(peak.dx + forward[i].dx_px, peak.dy + forward[i].dy_px))
-        return misses
+    def _misses(self, forward: Searches, moved: Floats, rules: Rules) -> Floats:
+        """Distance between the end of each search back from where `forward` moved to and its start, pixels; infinite
+        where there is nothing to search."""
+        which, back = self._peaks(forward.back(moved), rules.fit)
+        miss = np.full(len(moved), np.inf)
+        far = np.hypot(back.dx + moved[which, 0], back.dy + moved[which, 1])
+        miss[which] = np.where(back.status == Status.OK, far, np.inf)
+        return miss
 
-    def _peaks(self, jobs: Sequence[Job], fit: PeakFit) -> list[Peak]:
-        return locate_peaks(jobs, run_jobs(self._own_board(), jobs), self.sigma, fit)
+    def _peaks(self, searches: Searches, fit: PeakFit) -> tuple[NDArray[np.intp], Peaks]:
+        """The peaks of the searches that have something to search, and the numbers of these."""
+        jobs, which = searches.jobs(self.size)
+        return which, Peaks.of(jobs, run_table(self._own_board(), jobs), self.sigma, fit)
 
     def _own_board(self) -> Board:
         """The board, as this measurer configured it."""
@@ -244,25 +244,11 @@ def white_match(distance: float, sigma: float) -> float:
     return float(0.5 + np.arcsin(rho) / np.pi)
 
 
-def _refuse(m: Measurement, reason: Reason) -> Measurement:
-    return replace(m, valid=False, reason=reason)
+def _window(q: Query) -> Window:
+    return q.reference, (q.x, q.y, q.width, q.height)
 
 
-def _search(q: Query) -> Job | None:
-    """The job that answers a query, its search range clipped to the picture; None where nothing is left of it."""
-    width, height = q.live.frame_size
-    left, top = q.x - q.width // 2, q.y - q.height // 2
-    if left < 0 or top < 0 or left + q.width > q.reference.frame_size[0] or top + q.height > q.reference.frame_size[1]:
-        return None
-    dx, dy = round(q.guess[0]), round(q.guess[1])
-    x0, x1 = max(left + dx - q.reach[0], 0), min(left + dx + q.reach[0], width - q.width)
-    y0, y1 = max(top + dy - q.reach[1], 0), min(top + dy + q.reach[1], height - q.height)
-    if x0 > x1 or y0 > y1:
-        return None
-    return Job(q.reference._slot, left, top, q.width, q.height, q.live._slot, x0, y0, x1 - x0 + 1, y1 - y0 + 1)
-
-
-def _backward(q: Query, m: Measurement) -> Query:
-    """The query from the place found back to the start, with the search range of the forward one."""
-    dx, dy = round(m.dx_px), round(m.dy_px)
-    return Query(q.live, q.reference, q.x + dx, q.y + dy, q.width, q.height, (-dx, -dy), q.reach)
+def _searches(queries: Sequence[Query]) -> Searches:
+    whole = [(q.reference._slot, q.live._slot, q.x, q.y, q.width, q.height, *q.reach) for q in queries]
+    return Searches.of(np.array(whole, np.int64).reshape(-1, 8),
+                       np.array([q.guess for q in queries], np.float64).reshape(-1, 2))

@@ -47,14 +47,16 @@ class RegistrationLimits:
     """What is searched for and what is accepted.
 
     Attributes:
-        rot_deg, zoom: largest rotation and scale between two pictures.
+        rot_deg: largest rotation between two pictures.
+        zoom: largest scale between them.
         turns_deg: rotations of picture a tried in the coarse step, until `convinced` windows agree.
         convinced: number of agreeing coarse windows that ends the coarse step.
-        straight_deg, straight_zoom: up to this rotation and change of scale, a is not warped for the next search.
+        straight_deg: up to this rotation, a is not warped for the next search.
+        straight_zoom: up to this change of scale, the same.
         coarse_miss: largest distance of an agreeing window from its place by the similarity, pixels of the coarse
             picture.
-        rival_votes, rival_share: number of coarse windows, and share of the winning number, from which another place
-            is tried too; if both match, neither is accepted.
+        rival_votes: number of coarse windows from which another place is tried too; if both match, neither is accepted.
+        rival_share: share of the winning number from which it is tried.
         fine_miss: as `coarse_miss`, of fine windows, as a fraction of their side: relief displaces them.
         windows: least number of agreeing fine windows.
         share: least share of the fine windows in the overlap that must agree. Relief displaces windows of right pairs
@@ -88,7 +90,8 @@ class Registration:
         shift: where a's centre lands in b, minus b's centre, original pixels.
         score: median matching fraction of the agreeing windows, 0 where there are none.
         margin: their median margin.
-        agreed, tried: number of fine windows that agree, and of all in the predicted overlap.
+        agreed: number of fine windows that agree.
+        tried: number of all in the predicted overlap.
         accepted: whether to use it.
         reason: why not, one phrase.
         turning: whether rotation and scale were measured, not only the translation.
@@ -171,7 +174,8 @@ class Registrar:
         """Find a in b.
 
         Args:
-            a, b: the pictures.
+            a: the picture to be found.
+            b: the picture in which it is searched for.
             guess: original pixels of a -> of b; None searches everywhere.
             reach: search range around the guess, pixels of the board.
         """

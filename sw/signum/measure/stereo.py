@@ -31,7 +31,8 @@ class RangeMap:
     Attributes:
         x: (nx,) and y: (ny,) centres, pixels of the left view.
         disparity: (ny, nx) pixels; NaN where the measurement is not valid.
-        score, margin: (ny, nx) of the measurements.
+        score: (ny, nx) of the measurements.
+        margin: (ny, nx) of the measurements.
     """
 
     x: Floats
@@ -66,7 +67,8 @@ def measure_range(
 
     Args:
         measurer: took both views.
-        left: rectified left view; right: the right one of the same moment.
+        left: rectified left view.
+        right: the right one of the same moment.
         disparities: smallest and largest to search, pixels.
         window: width and height of the windows, pixels.
         step: grid spacing, pixels.

@@ -49,14 +49,17 @@ def peak_offsets(patches: NDArray[np.generic], area: Floats | float, fit: PeakFi
         return _cone(scores)
     sharp = scores[:, 4] >= CONE_FROM
     out = np.empty((len(scores), 2))
-    out[sharp], out[~sharp] = _cone(scores[sharp]), _paraboloid(scores[~sharp])
+    for which, fitted in ((sharp, _cone), (~sharp, _paraboloid)):
+        if which.any():
+            out[which] = fitted(scores[which])
     return out
 
 
-def line_offset(before: float, best: float, after: float, fit: Literal["cone", "parabola"]) -> float:
-    """Offset of a peak along one line from three scores, for searches one offset high or wide; within +-0.5."""
-    drop = best - min(before, after) if fit == "cone" else 2 * best - before - after
-    return 0.5 * (after - before) / drop if drop > 0 else 0.0
+def line_offsets(before: Floats, best: Floats, after: Floats, sharp: NDArray[np.bool_]) -> Floats:
+    """Offsets of peaks along lines from three scores each, for searches one offset high or wide, and at the border;
+    within +-0.5. All arrays have one shape; `sharp` peaks are cones, others parabolas."""
+    drop = np.where(sharp, best - np.minimum(before, after), 2 * best - before - after)
+    return np.asarray(0.5 * (after - before) / np.where(drop > 0, drop, np.inf))
 
 
 def _paraboloid(scores: Floats) -> Floats:
@@ -75,24 +78,25 @@ def _cone(scores: Floats, rounds: int = 8) -> Floats:
     L = [[a, 0], [c, b]] holds the slopes: along an edge the score falls slower than across it. s is the root mean
     square of a and b, times the square root of _ROUND.
     """
-    n = len(scores)
-    west, north, centre, south, east = (scores[:, i] for i in (3, 1, 4, 7, 5))
+    scores = np.ascontiguousarray(scores.T)  # peaks last: (9, n)
+    west, north, centre, south, east = scores[[3, 1, 4, 7, 5]]
     tip = np.stack([0.5 * (after - before) / np.maximum(centre - np.minimum(before, after), 1e-9)
-                    for before, after in ((west, east), (north, south))], axis=1)
-    height, c = centre.copy(), np.zeros(n)
+                    for before, after in ((west, east), (north, south))])
+    height, c = centre.copy(), np.zeros_like(centre)
     a, b = (np.maximum(centre - 0.5 * (before + after), 1e-6) for before, after in ((west, east), (north, south)))
+    jacobian = np.ones((6, *scores.shape))
     for _ in range(rounds):
-        x, y = _X - tip[:, :1], _Y - tip[:, 1:]
-        along_a, along_b, along_c = a[:, None], b[:, None], c[:, None]
-        u, v = along_a * x + along_c * y, along_b * y
-        r = np.sqrt(u * u + v * v + 0.5 * _ROUND * (along_a**2 + along_b**2))
-        jacobian = np.stack([np.ones((n, 9)), -u * x / r, -v * y / r, -u * y / r,
-                             u * along_a / r, (u * along_c + v * along_b) / r], axis=2)
-        residual = scores - (height[:, None] - r)
-        normal = np.einsum("nij,nik->njk", jacobian, jacobian)
+        x, y = _X[:, None] - tip[0], _Y[:, None] - tip[1]
+        u, v = a * x + c * y, b * y
+        r = np.sqrt(u * u + v * v + 0.5 * _ROUND * (a**2 + b**2))
+        u_r, v_r = u / r, v / r
+        jacobian[1], jacobian[2], jacobian[3] = -u_r * x, -v_r * y, -u_r * y
+        jacobian[4], jacobian[5] = u_r * a, u_r * c + v_r * b
+        residual = scores - (height - r)
+        normal = np.einsum("jin,kin->njk", jacobian, jacobian)
         normal += (1e-3 * np.einsum("njj->nj", normal)[:, :, None] + 1e-12) * np.eye(6)
-        step = np.linalg.solve(normal, np.einsum("nij,ni->nj", jacobian, residual)[:, :, None])[:, :, 0]
-        height, c = height + step[:, 0], c + step[:, 3]
-        a, b = np.maximum(a + step[:, 1], 1e-6), np.maximum(b + step[:, 2], 1e-6)
-        tip = np.clip(tip + np.clip(step[:, 4:], -0.3, 0.3), -_MOST, _MOST)
-    return tip
+        step = np.linalg.solve(normal, np.einsum("jin,in->nj", jacobian, residual)[:, :, None])[:, :, 0].T
+        height, c = height + step[0], c + step[3]
+        a, b = np.maximum(a + step[1], 1e-6), np.maximum(b + step[2], 1e-6)
+        tip = np.clip(tip + np.clip(step[4:], -0.3, 0.3), -_MOST, _MOST)
+    return np.asarray(tip.T)

@@ -9,8 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from golden.correlate import Status
-from signum.measure.peak import Peak
+from signum.measure.batch import Peaks
 from signum.measure.subpixel import PeakFit
 
 
@@ -34,6 +37,11 @@ class Reason(StrEnum):
     """The window and its inner part moved differently: perspective, relief, or chance."""
 
 
+REASONS = tuple(Reason)
+"""Reasons by number, for arrays."""
+PASSED = REASONS.index(Reason.NONE)
+
+
 @dataclass(frozen=True)
 class Rules:
     """What makes a measurement valid. Scores are matching fractions.
@@ -53,10 +61,8 @@ class Rules:
     fit: PeakFit = "auto"
 
 
-def judge_peak(peak: Peak, rules: Rules) -> Reason:
-    """The first reason for which one search refuses the peak it found; NONE if it passes."""
-    if peak.status is not Status.OK:
-        return Reason.OUTSIDE
-    checks = ((Reason.SCORE, peak.score >= rules.min_score), (Reason.MARGIN, peak.margin >= rules.min_margin),
-              (Reason.BORDER, peak.inside))
-    return next((reason for reason, good in checks if not good), Reason.NONE)
+def judge_peaks(peaks: Peaks, rules: Rules) -> NDArray[np.int64]:
+    """For each search the number in REASONS of the first reason to refuse the peak that it found; PASSED if none."""
+    checks = {Reason.OUTSIDE: peaks.status == Status.OK, Reason.SCORE: peaks.score >= rules.min_score,
+              Reason.MARGIN: peaks.margin >= rules.min_margin, Reason.BORDER: peaks.inside}
+    return np.select([~good for good in checks.values()], [REASONS.index(reason) for reason in checks], PASSED)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,7 +56,8 @@ def read_table(path: Path, needed: tuple[str, ...] = ()) -> Columns:
     """
     text = read_bytes(path, "table", most=TABLE_BYTES).decode("utf-8", "replace")
     try:
-        lines = [[restored(cell) for cell in line] for line in csv.reader(io.StringIO(text, newline="")) if line]
+        lines = [[restored(cell) if cell[:1] == "'" else cell for cell in line]
+                 for line in csv.reader(io.StringIO(text, newline="")) if line]
     except csv.Error as error:
         raise SignumError(f"{path}: not a CSV table ({error}); run the command again that writes it") from error
     names = tuple(lines[0]) if lines else ()
@@ -66,10 +68,11 @@ def read_table(path: Path, needed: tuple[str, ...] = ()) -> Columns:
     if len(body) < len(lines) - 1:
         notes.print(f"{path}: {len(lines) - 1 - len(body)} of {len(lines) - 1} rows have not {len(names)} cells and "
                     "are left out")
-    endless = sum(_endless(cell) for line in body for cell in line)
+    columns = [[line[i] for line in body] for i in range(len(names))]
+    endless = sum(count for cells in columns for cell, count in Counter(cells).items() if _endless(cell))
     if endless:
         notes.print(f"{path}: {endless} cells are no finite numbers up to {LARGEST:g} and are left out")
-    return Columns(names, {name: [line[i] for line in body] for i, name in enumerate(names)})
+    return Columns(names, dict(zip(names, columns, strict=True)))
 
 
 def _number(text: str) -> float:

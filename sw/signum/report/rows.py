@@ -17,12 +17,13 @@ from signum.measure.track import TrackPoint
 def flow_rows(a: str, b: str, field: FlowField, fit: Fit) -> Iterator[list[object]]:
     """Rows of `flow.csv` from a field in pixels of the board's picture."""
     kx, ky = fit.factor
-    for j, y in enumerate(field.y):
-        for i, x in enumerate(field.x):
-            good = bool(field.valid[j, i])
-            moved = [f"{field.dx[j, i] * kx:.3f}", f"{field.dy[j, i] * ky:.3f}"] if good else ["", ""]
-            yield [a, b, f"{(x + 0.5) * kx - 0.5:.1f}", f"{(y + 0.5) * ky - 0.5:.1f}", *moved,
-                   f"{field.score[j, i]:.4f}", int(good)]
+    xs = [f"{(x + 0.5) * kx - 0.5:.1f}" for x in field.x.tolist()]
+    for y, valid, *values in zip(field.y.tolist(), field.valid.tolist(), (field.dx * kx).tolist(),
+                                 (field.dy * ky).tolist(), field.score.tolist(), strict=True):
+        down = f"{(y + 0.5) * ky - 0.5:.1f}"
+        for x, good, dx, dy, score in zip(xs, valid, *values, strict=True):
+            moved = (f"{dx:.3f}", f"{dy:.3f}") if good else ("", "")
+            yield [a, b, x, down, *moved, f"{score:.4f}", int(good)]
 
 
 def disparity_rows(frame: str, found: RangeMap, geometry: StereoGeometry | None) -> Iterator[list[object]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames from pictures, videos, a camera or an array in memory, with the lens distortion taken out if need be."""
+"""Frames from pictures, a camera or an array in memory, with the lens distortion taken out if need be."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ import ast
 import math
 import os
 import re
-import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,16 +16,15 @@ import numpy as np
 
 from signum.common.arrays import Image
 from signum.common.checks import check_file, check_pixels
-from signum.common.console import notes
 from signum.common.errors import SourceError
+from signum.frames.eight import EightBits
+from signum.frames.exif import times_of
 from signum.frames.frame import Frame, Source, read_picture, size_text
 from signum.geometry.calibration import CalibrationError, read_mono
 
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"})
 """A file with one of these endings is a picture."""
 
-MOST_FRAMES = 10**9
-"""Number of frames above which a video's own count is not believed."""
 LONGEST_HEADER = 10_000
 """Bytes of a .npy file's header, as NumPy limits it."""
 
@@ -52,7 +49,9 @@ class FolderSource(Source):
         super().__init__(str(folder), len(self.files))
 
     def _frames(self) -> Iterator[Frame]:
-        return (Frame(name_of(f), read_picture(f)) for f in self.files)
+        eight = EightBits(self.label)
+        times = times_of(self.files)
+        return (Frame(name_of(f), read_picture(f, eight), t) for f, t in zip(self.files, times, strict=True))
 
 
 class PictureSource(Source):
@@ -65,57 +64,7 @@ class PictureSource(Source):
         self.file = file
 
     def _frames(self) -> Iterator[Frame]:
-        yield Frame(name_of(self.file), read_picture(self.file))
-
-
-class VideoSource(Source):
-    """A video file of any kind that OpenCV decodes."""
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-        with self._opened() as capture:
-            count, rate = capture.get(cv2.CAP_PROP_FRAME_COUNT), float(capture.get(cv2.CAP_PROP_FPS))
-        super().__init__(str(file), round(count) if 0 < count < MOST_FRAMES else None)
-        self.rate = rate if 0.1 <= rate <= 1000 else None
-
-    @contextmanager
-    def _opened(self) -> Iterator[cv2.VideoCapture]:
-        check_file(self.file, "video", SourceError)
-        with _named_in_utf8(self.file) as path:
-            capture = cv2.VideoCapture(str(path))
-            try:
-                if not capture.isOpened():
-                    raise SourceError(f"{self.file}: not a video that can be decoded (empty, cut short or of an "
-                                      f"unknown kind); try `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
-                size = [capture.get(side) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)]
-                check_pixels(round(size[0]), round(size[1]), str(self.file), SourceError)
-                yield capture
-            finally:
-                capture.release()
-
-    def _frames(self) -> Iterator[Frame]:
-        done = 0
-        with self._opened() as capture:
-            while True:
-                try:
-                    good, picture = capture.read()
-                except cv2.error as error:
-                    raise SourceError(self._broken(done)) from error
-                if not good:
-                    break
-                yield Frame(str(done), np.asarray(picture, np.uint8))
-                done += 1
-        # A container's count may be off by a few frames; if a tenth is missing, the file was cut short.
-        if self.count is not None and 0 < done < 0.9 * self.count - 1:
-            raise SourceError(self._broken(done))
-        if self.count is not None and 0 < done != self.count:
-            lost = (f": frames {done} to {self.count - 1} are missing, or as many before them, so that later ones have "
-                    "too low a number" if done < self.count else "")
-            notes.print(f"{self.file}: the file lists {self.count} frames, {done} could be decoded{lost}")
-
-    def _broken(self, done: int) -> str:
-        return (f"{self.file}: broken after frame {done - 1} of {self.count}; what came before is kept; "
-                f"mend the file with `ffmpeg -i {self.file.name} -c:v libx264 mended.mp4`")
+        yield Frame(name_of(self.file), read_picture(self.file), times_of([self.file])[0])
 
 
 class ArraySource(Source):
@@ -196,27 +145,6 @@ def _header(file: Path) -> tuple[tuple[int, ...], bool, np.dtype[np.generic], in
         except Exception as error:  # of any type: the header is a Python literal
             raise SourceError(f"{file}: not a NumPy array file; save the frames with `numpy.save`") from error
         return shape, header["fortran_order"], kind, stream.tell()
-
-
-@contextmanager
-def _named_in_utf8(file: Path) -> Iterator[Path]:
-    """The file's absolute path, or that of a link to it where its name is not UTF-8, which ends OpenCV by a signal."""
-    path = file.absolute()
-    if str(path).isascii() or _is_utf8(str(path)):
-        yield path
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        link = Path(folder) / f"video{path.suffix if _is_utf8(path.suffix) else ''}"
-        link.symlink_to(path)
-        yield link
-
-
-def _is_utf8(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def name_of(file: Path) -> str:

@@ -15,9 +15,9 @@ from signum.sources.files import (
     FolderSource,
     PictureSource,
     UndistortedSource,
-    VideoSource,
 )
 from signum.sources.live import CameraSource
+from signum.sources.video import VideoSource
 
 BAGS = frozenset({".bag", ".mcap", ".db3"})
 """A file with one of these endings is a ROS bag."""
@@ -43,7 +43,9 @@ def open_source(text: str | Path, calibration: Path | None = None) -> Source:
 
 
 def _open(text: str | Path) -> Source:
-    file, _, topic = str(text).partition("#")
+    if not str(text).strip():
+        raise SourceError("the source's name is empty: give a folder of pictures, a video, a bag or a camera's number")
+    file, topic = split_topic(str(text))
     if _is_bag(Path(file)):
         try:
             from signum.sources.bags import BagSource  # loads slowly
@@ -70,6 +72,16 @@ def _open(text: str | Path) -> Source:
     if kind == ".npy":
         return ArraySource.load(path)
     return VideoSource(path)
+
+
+def split_topic(text: str) -> tuple[str, str]:
+    """A bag's path and topic: the topic follows the first `#` before which there is a bag, as a folder may have a `#`
+    in its name."""
+    if not _is_bag(Path(text)):
+        for at in (k for k, character in enumerate(text) if character == "#"):
+            if _is_bag(Path(text[:at])):
+                return text[:at], text[at + 1:]
+    return text, ""
 
 
 def _is_bag(path: Path) -> bool:

@@ -67,6 +67,7 @@ class WorldSource(Source):
     def __init__(self, survey: SurveyPlan, label: str = "world") -> None:
         super().__init__(label, survey.frames)
         self.survey = survey
+        self.rate = survey.rate
 
     @classmethod
     def named(cls, text: str) -> WorldSource:

@@ -17,6 +17,10 @@ RUN = re.compile(r"'*[=+\-@\t\r]")
 """How a text begins that a spreadsheet would run, or that was neutralised."""
 
 
+FIRST = frozenset("'=+-@\t\r")
+"""How RUN begins: almost every cell is passed by this alone."""
+
+
 def neutral(cell: object) -> object:
     """A cell as it is written: a text that would be run gets an apostrophe in front, all else stays."""
     if isinstance(cell, str) and RUN.match(cell) and not NUMBER.fullmatch(cell):
@@ -26,7 +30,7 @@ def neutral(cell: object) -> object:
 
 def neutral_row(row: Sequence[object]) -> list[object]:
     """A row as it is written; see `neutral`."""
-    return [neutral(cell) for cell in row]
+    return [neutral(cell) if isinstance(cell, str) and cell[:1] in FIRST else cell for cell in row]
 
 
 def restored(cell: str) -> str:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -26,8 +26,12 @@ class Table:
         Raises:
             OSError: if it cannot be written, with the table's path as its file name.
         """
+        self.write_all([row])
+
+    def write_all(self, rows: Iterable[Sequence[object]]) -> None:
+        """Append rows that belong together, such as those of a frame, and flush the file once; errors as `write`."""
         try:
-            self._rows.writerow(neutral_row(row))
+            self._rows.writerows(map(neutral_row, rows))
             self._file.flush()
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(self._path)) from error

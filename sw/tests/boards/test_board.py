@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 
 from golden import correlate, log
+from golden.compiled.calls import CHOICE, NUMPY
 from golden.correlate import Job, Status
 from golden.params import FULL, TINY
+from golden.tables import jobs_table
 from signum.boards.board import BoardError, Identification, run_jobs
 from signum.boards.golden import REGISTER_VERSION, GoldenBoard, job_clocks
 
 
-@pytest.fixture
-def board() -> GoldenBoard:
-    """A tiny board with a frame in slot 0 and the same one shifted by (3, 2) in slot 1."""
+@pytest.fixture(params=["", NUMPY])
+def board(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> GoldenBoard:
+    """A tiny board, compiled and in NumPy, with a frame in slot 0 and the same one shifted by (3, 2) in slot 1."""
+    monkeypatch.setenv(CHOICE, request.param)
     rng = np.random.default_rng(5)
     scene = rng.integers(0, 256, (50, 60), dtype=np.uint8)
     made = GoldenBoard(TINY)
@@ -60,12 +63,12 @@ def test_counters_and_clocks(board: GoldenBoard) -> None:
     run_jobs(board, [JOB] * 5)
     counts = board.counters()
     assert (counts["frames_0"], counts["drops_0"], counts["jobs"], counts["scores"]) == (2, 0, 5, 5 * 81)
-    assert board.clocks - before == counts["busy_clocks"] == 5 * job_clocks(JOB, TINY)
+    assert board.clocks - before == counts["busy_clocks"] == 5 * job_clocks(jobs_table([JOB]), TINY)[0]
 
 
 def test_clocks_of_the_reference_search() -> None:
     job = Job(0, 288, 208, 64, 64, 1, 256, 176, 65, 65)
-    assert 65 * 65 <= job_clocks(job, FULL) <= 65 * 65 / 0.9
+    assert 65 * 65 <= job_clocks(jobs_table([job]), FULL)[0] <= 65 * 65 / 0.9
 
 
 def test_bad_calls(board: GoldenBoard) -> None:

@@ -2,16 +2,20 @@
 """Runs commands in forked processes that end at a chosen moment; a program of its own, which reads requests as JSON.
 
 A request is {"arguments": [...], "moment": n or null, "act": what, "limit": bytes or null}. At the n-th function call
-of the run, of Python or of C, `act` happens: "kill" is SIGKILL, "remove" removes the folder after `--out`, "term" sends
-SIGTERM. A null moment lets the run end, and gives the number of calls at every 10 ms of its time, for choosing moments.
-"limit" is the largest size of a file, as on a full disk; "readonly" as `act` obeys file modes even as root.
+of the run, of Python or of C, `act` happens: "kill" is SIGKILL, "remove" removes the folder after `--out`. A null
+moment lets the run end, and gives the number of calls at every 10 ms of its time, for choosing moments. "limit" is the
+largest size of a file, as on a full disk; "readonly" as `act` obeys file modes even as root. "signals" are sent one
+after the other when the file "grown" has "lines" lines. "film" is what camera 0 shows, a frame every 20 ms.
 
-The answer is {"status": of the process, "calls": [...], "said": its output, "seconds": its duration}.
+The answer is {"status": of the process, "calls": [...], "said": its output, "stopped_s": from the first of the signals
+to the end of the process}.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import gc
 import json
 import os
 import resource
@@ -21,9 +25,11 @@ import sys
 import tempfile
 import time
 import traceback
+from pathlib import Path
 from typing import Any
 
 import cv2
+import typer
 
 from signum.commands import signals
 from signum.commands.cli import application
@@ -35,14 +41,16 @@ EVERY_S = 0.01
 def main() -> None:
     """Serve until the input ends."""
     cv2.setNumThreads(1)
-    app = application()
+    app = typer.main.get_command(application())
+    with contextlib.suppress(SystemExit), open(os.devnull, "w") as sink, contextlib.redirect_stderr(sink):
+        app(["filter", "", "--out", ""])  # loads what parsing needs
+    gc.freeze()  # else a collection in a child copies all that is shared with it
     for line in sys.stdin:
         print(json.dumps(_serve(app, json.loads(line))), flush=True)
 
 
 def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
     with tempfile.TemporaryFile() as calls:
-        began = time.monotonic()
         reading, writing = os.pipe()  # not a file, whose size would be limited too
         child = os.fork()
         if not child:
@@ -61,18 +69,56 @@ def _serve(app: Any, request: dict[str, Any]) -> dict[str, Any]:
                 sys.stderr.flush()
                 os._exit(status)
         os.close(writing)
+        began = _signal(child, request) if "signals" in request else 0.0
         with os.fdopen(reading, "rb") as pipe:
             said = pipe.read().decode(errors="replace")
         _, status = os.waitpid(child, 0)
-        seconds = time.monotonic() - began
+        stopped = time.monotonic() - began
         calls.seek(0)
         return {"status": os.waitstatus_to_exitcode(status), "said": said,
-                "calls": json.loads(calls.read() or b"[]"), "seconds": seconds}
+                "calls": json.loads(calls.read() or b"[]"), "stopped_s": stopped}
+
+
+def _signal(child: int, request: dict[str, Any]) -> float:
+    """Send signals to a child when its file has grown; returns when the first was sent."""
+    grown = Path(request["grown"])
+    while not grown.exists() or grown.read_bytes().count(b"\n") < request["lines"]:
+        if os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            break
+        time.sleep(0.002)
+    began = time.monotonic()
+    for number in request["signals"]:
+        os.kill(child, number)
+        time.sleep(0.02)
+    return began
+
+
+class _Camera:
+    """A camera that shows a film."""
+
+    film = ""
+    player = cv2.VideoCapture
+
+    def __init__(self, index: int) -> None:
+        self._film = _Camera.player(_Camera.film)
+
+    def isOpened(self) -> bool:
+        return self._film.isOpened()
+
+    def read(self) -> Any:
+        time.sleep(0.02)
+        return self._film.read()
+
+    def release(self) -> None:
+        self._film.release()
 
 
 def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
     if request.get("limit") is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (request["limit"], request["limit"]))
+    if "film" in request:
+        _Camera.film = request["film"]
+        cv2.VideoCapture = _Camera  # type: ignore[misc,assignment]
     if request.get("act") == "readonly":
         _obey_modes()
     signals.listen()
@@ -85,8 +131,6 @@ def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
         if count == moment:
             if act == "kill":
                 os.kill(os.getpid(), signal.SIGKILL)
-            elif act == "term":
-                os.kill(os.getpid(), signal.SIGTERM)
             elif act == "remove":
                 shutil.rmtree(arguments[arguments.index("--out") + 1], ignore_errors=True)
         if moment is None and time.process_time() >= next_mark:

@@ -248,7 +248,7 @@ def test_numbers_of_options_are_finite(tmp_path: Path, inputs: Path, option: tup
     result = _run(command, *source, inputs / "npy" / "dive.npy", name, value, "--out", tmp_path / "o")
     assert result.exit_code in (1, 2) and name in result.stderr and not (tmp_path / "o").exists()
     if result.exit_code == 1:
-        assert "expected a number" in _line(result)
+        assert f"{name} is {float(value):g}; expected a number" in _line(result)
 
 
 def test_an_unexpected_error_is_one_line_and_a_log(tmp_path: Path, inputs: Path, monkeypatch: pytest.MonkeyPatch

@@ -133,6 +133,50 @@ def test_a_record_names_only_files_of_its_folder(tmp_path: Path) -> None:
     assert (tmp_path / "precious").exists() and not (out / "a.csv").exists()
 
 
+def test_a_command_does_not_replace_what_it_reads(source: Path, tmp_path: Path,
+                                                  monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "o"
+    assert _run("flow", source, "--window", "32", "--out", out).exit_code == 0
+    before = _contents(out)
+    monkeypatch.chdir(out)
+    for film in (out / "flow.mp4", "flow.mp4", "../o/flow.mp4"):
+        assert "flow.mp4: signum flow has made it, and would replace it" in _line(
+            _run("flow", film, "--window", "32", "--out", out))
+    assert _contents(out) == before
+    assert _run("track", "flow.mp4", "--window", "32", "--out", ".").exit_code == 0, "another command's"
+    assert _run("filter", source / "0.png", "--out", out).exit_code == 0
+    assert "sign.png: signum filter has made it" in _line(_run("filter", "sign.png", "--out", out))
+
+
+@pytest.mark.parametrize("command", ["mosaic", "track", "flow"])
+def test_pictures_are_not_written_among_the_frames(command: str, source: Path, tmp_path: Path) -> None:
+    """Else they would be frames of the next call: of another size, or removed before they are read."""
+    before = _contents(source)
+    (tmp_path / "link").symlink_to(source)
+    for out in (source, tmp_path / "link", source / ".." / "in"):
+        assert "is the folder of the frames" in _line(_run(command, source, "--window", "32", "--out", out))
+    assert _contents(source) == before
+
+
+def test_a_record_that_is_no_file_is_named(source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    out.mkdir()
+    os.mkfifo(out / "run-flow.jsonl")
+    assert "run-flow.jsonl: not a file" in _line(_run("flow", source, "--window", "32", "--out", out))
+
+
+def test_a_code_without_coordinates_is_refused(source: Path, tmp_path: Path) -> None:
+    assert "--epsg is of the coordinates in a --navigation log" in _line(
+        _run("mosaic", source, "--window", "32", "--out", tmp_path / "o", "--epsg", "32755"))
+
+
+def test_an_empty_name_is_no_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of a variable of the shell that is not set: not the folder that one is in."""
+    monkeypatch.chdir(tmp_path)
+    write_picture(tmp_path / "0.png", np.zeros((120, 160), np.uint8))
+    assert "name is empty" in _line(_run("track", "", "--window", "32", "--out", "o"))
+
+
 @pytest.mark.parametrize("command", ["mosaic", "track", "report"])
 def test_one_process_a_folder(command: str, source: Path, tmp_path: Path) -> None:
     out = tmp_path / "o"
@@ -153,6 +197,9 @@ def test_names_of_folders_moved_aside_and_of_sources(tmp_path: Path, monkeypatch
     (tmp_path / "a.bag").touch()
     assert identity("./a.bag#/cam") == f"{tmp_path / 'a.bag'}#/cam" and identity("camera:0") == identity("0") == "0"
     assert identity("world:frames=3") == "world:frames=3"
+    (tmp_path / "dir #1").mkdir()
+    (tmp_path / "dir #1" / "metadata.yaml").touch()
+    assert identity("dir #1#/cam") == f"{tmp_path / 'dir #1'}#/cam" and identity("dir #1") == str(tmp_path / "dir #1")
 
 
 def test_the_demonstration_leaves_a_survey_alone(source: Path, tmp_path: Path) -> None:

@@ -4,16 +4,14 @@
 import importlib.util
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from cocotb_tools.runner import Verilator
 
 from signum.common.files import write_picture
 from signum.world.seafloor import photograph
-from sim.testbench.runner import BENCH_CXX_FLAGS, START, LeanVerilator, _keep_library, _reuse_library
+from sim.testbench.runner import _keep_library, _reuse_library
 from sim.toolchain import BUILD, ROOT, sources_of
 
 EXAMPLES = ROOT / "examples"
@@ -62,19 +60,12 @@ def test_mosaic(tmp_path: Path) -> None:
     assert made is not None and made.shape[1] == pytest.approx(256 + 3 * 48, abs=4)
 
 
-class _Embedded(LeanVerilator):
-    """cocotb's plain runner, but within the Python executable: it runs where libpython is missing, too."""
-
-    def _build_command(self) -> Any:
-        return Verilator._build_command(self)
-
-
 def test_a_block_in_another_design() -> None:
+    """As on a machine without libpython."""
     folder = BUILD / "examples" / "my_design"
     folder.mkdir(parents=True, exist_ok=True)
     _reuse_library(folder, folder / "Vtop.mk")
-    extra = "--assert", "--timing", "-CFLAGS", BENCH_CXX_FLAGS, "-LDFLAGS", "-shared", str(START)
-    assert example("block/run.py").main(str(folder), _Embedded(), extra) == 0
+    assert example("block/run.py").main(str(folder), plain=False) == 0
     _keep_library(folder)
 
 

@@ -3,23 +3,30 @@
 
 from __future__ import annotations
 
+import gc
+import os
 import shlex
 import shutil
 import time
 from collections import Counter, deque
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+import typer
 
 from signum.common.files import write_picture
-from tests.fuzz.child import start
+from tests.fuzz.child import sketch, start
 from tests.fuzz.corpus import KINDS, Kind, build
 from tests.fuzz.judge import FAILURES, Outcome, Rows, judge, tables
 from tests.fuzz.mutate import NAMES, Edit, arguments, edits, replace
+
+WARM = "png", "folder", "bag", "stereo", "navigation", "chart"
+"""Kinds of input whose commands are run once before the first case."""
 
 
 @dataclass
@@ -67,12 +74,12 @@ class Campaign:
     def __init__(self, folder: Path, seed: int, jobs: int = 2, kinds: tuple[str, ...] = tuple(KINDS)) -> None:
         from signum.commands.cli import application
 
-        _load()
-        self.application = application()
+        self.application: Any = typer.main.get_command(application())
         shutil.rmtree(folder, ignore_errors=True)
         self.folder, self.seed, self.jobs, self.kinds = folder.resolve(), seed, jobs, kinds
         self.inputs = self.folder / "inputs"
         build(self.inputs)
+        self._warm()
         self._make("resume", [a.replace("--resume", "--anew") for a in KINDS["resume"].command])
         self._make("report", ["track", "{in}/../npy/dive.npy", "--features", "4", "--window", "32", "--out",
                               "{in}/track"])
@@ -205,6 +212,24 @@ class Campaign:
             case.about = f"{case.victim}: " + "; ".join(
                 f"bytes {e.start} to {e.stop} become {e.new[:40]!r}" for e in chosen)
 
+    def _warm(self) -> None:
+        """Run commands in this process, so that a child has all that they load and compute on first use."""
+        import matplotlib.pyplot
+
+        import signum.sources.bags
+        import signum.sources.simulated  # noqa: F401
+
+        cv2.setNumThreads(1)
+        matplotlib.pyplot.switch_backend("agg")
+        sketch()
+        for kind in WARM:
+            case = Case(-1, kind, self.folder / "warm" / kind)
+            self._lay(case, [])
+            with open(os.devnull, "w") as sink, redirect_stdout(sink), redirect_stderr(sink), suppress(SystemExit):
+                self.application(case.line)
+        gc.collect()
+        gc.freeze()  # a collection in a child would write to, and so copy, all that is shared with it
+
     def _make(self, kind: str, command: list[str]) -> None:
         """Make an input by a command."""
         line = [a.replace("{in}", str(self.inputs / kind)) for a in command]
@@ -235,15 +260,3 @@ class Campaign:
 
 def _filled(kind: Kind, folder: Path) -> list[str]:
     return [a.replace("{in}", str(folder / "in")).replace("{out}", str(folder / "out")) for a in kind.command]
-
-
-def _load() -> None:
-    """Import what the commands load on first use, so that a child has it."""
-    import matplotlib.pyplot
-
-    import signum.report.folder
-    import signum.sources.bags
-    import signum.sources.simulated  # noqa: F401
-
-    cv2.setNumThreads(1)
-    matplotlib.pyplot.switch_backend("agg")

@@ -22,14 +22,16 @@ TRACEBACK = 99
 """Exit status of a child whose command raised an error, which includes each use of the catch-all."""
 
 
-def _sketch() -> None:
-    """Let plots be drawn small and without layout, which is most of a command's time; their data are used all the
-    same."""
+def sketch() -> None:
+    """Let plots be drawn small, without layout and without axes, whose labels are most of a command's time; their data
+    are drawn all the same."""
     from matplotlib.figure import Figure
 
     drawn: Any = Figure.savefig
 
     def small(figure: Figure, target: Any, **options: Any) -> None:
+        for axes in figure.axes:
+            axes.set_axis_off()
         drawn(figure, target, **options | {"dpi": 20})
 
     Figure.savefig = small  # type: ignore[method-assign,assignment]
@@ -76,7 +78,6 @@ def start(application: Any, arguments: Sequence[str], folder: Path) -> Child:
         sys.stderr = open(2, "w", encoding="utf-8", errors="backslashreplace", closefd=False)  # noqa: SIM115
         os.environ["SIGNUM_RAISE"] = "1"
         os.chdir(folder)
-        _sketch()
         resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_S, PROCESSOR_S + 2))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from signum.measure.subpixel import line_offset, peak_offsets
+from signum.measure.subpixel import line_offsets, peak_offsets
 
 
 @pytest.mark.parametrize("fit", ["cone", "parabola"])
@@ -20,7 +20,9 @@ def test_fits_find_their_own_shape(fit: Literal["cone", "parabola"]) -> None:
     fall = np.sqrt(squared + 0.1 * (a**2 + b**2)) if fit == "cone" else squared
     found = peak_offsets(4000 - 4096 * fall, 4096.0, fit)
     assert np.abs(found - tips).max() < (0.01 if fit == "cone" else 1e-9)
-    assert line_offset(0.8, 0.9, 0.8, fit) == 0 and line_offset(0.5, 0.5, 0.5, fit) == 0
+    before, best, after = np.array([[0.8, 0.9, 0.8], [0.5, 0.5, 0.5], [0.6, 0.9, 0.7]]).T
+    along = line_offsets(before, best, after, np.full(3, fit == "cone")).tolist()
+    assert along == pytest.approx([0, 0, 0.05 / 0.3 if fit == "cone" else 0.05 / 0.5])
 
 
 def test_a_sharp_round_cone_is_found_by_the_blunt_one() -> None:

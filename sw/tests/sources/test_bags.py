@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import av
 import cv2
 import numpy as np
 import pytest
+from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
@@ -115,7 +118,7 @@ def test_one_of_several_topics(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("messages", "says"), [
-    ([_header], "no image topic in this bag"), ([_image("mono16", COLOUR[..., 0])], "encoding 'mono16'; signum reads"),
+    ([_header], "no image topic in this bag"), ([_image("yuv411", COLOUR[..., 0])], "encoding 'yuv411'; signum reads"),
     ([lambda s, h: s.types["sensor_msgs/msg/Image"](h, 480, 640, "mono8", 0, 640, np.zeros(9, np.uint8))],
      "9 bytes for 640x480")])
 def test_what_cannot_be_read_is_said(tmp_path: Path, messages: list[Message], says: str) -> None:
@@ -128,7 +131,7 @@ def test_what_cannot_be_read_is_said(tmp_path: Path, messages: list[Message], sa
 @pytest.mark.parametrize("name", ["junk.bag", "junk.mcap", "junk.db3", "empty.bag"])
 def test_no_bag_at_all(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"" if name.startswith("empty") else bytes(range(256)) * 8)
-    says = "the file is empty" if name.startswith("empty") else "not a ROS bag that can be read"
+    says = "the file is empty" if name.startswith("empty") else "not a ROS bag or MCAP file that can be read"
     with pytest.raises(SourceError, match=says):
         list(open_source(tmp_path / name))
 
@@ -139,3 +142,103 @@ def test_cut_short_gives_what_it_has_or_says_so(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-3000])
     with pytest.raises(SourceError, match="rosbag reindex"):
         list(open_source(path))
+
+
+def _stamped(picture: np.ndarray[Any, Any], seconds: float) -> Message:
+    def make(store: Any, header: Any) -> Any:
+        stamp = type(header.stamp)(int(seconds), round(seconds % 1 * 1e9))
+        return _image("mono8", picture)(store, type(header)(stamp=stamp, frame_id="camera"))
+    return make
+
+
+def test_frames_are_in_order_of_their_stamps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    order = [0, 1, 3, 2, 4, 5, 7, 6]
+    path = _write(tmp_path, "mcap", {"/c": [_stamped(np.full((20, 20), 9 * k, np.uint8), k / 10) for k in order]})
+    frames = list(open_source(path))
+    assert [f.time_s for f in frames] == pytest.approx([k / 10 for k in range(8)])
+    assert [int(f.picture[0, 0]) for f in frames] == [9 * k for k in range(8)]
+    assert capsys.readouterr().err.count("2 frames were recorded out of the order of their stamps") == 1
+
+
+def test_without_stamps_the_time_of_recording_counts(tmp_path: Path) -> None:
+    path = _write(tmp_path, "mcap", {"/c": [_image("mono8", COLOUR[..., k]) for k in range(3)]})
+    assert [f.time_s for f in open_source(path)] == pytest.approx([0, 1e-6, 2e-6])
+
+
+@pytest.mark.parametrize(("encoding", "code"), [("yuv422_yuy2", cv2.COLOR_YUV2BGR_YUY2),
+                                                ("yuv422", cv2.COLOR_YUV2BGR_UYVY), ("nv12", cv2.COLOR_YUV2BGR_NV12)])
+def test_yuv(tmp_path: Path, encoding: str, code: int) -> None:
+    cells = COLOUR[..., 0] if encoding == "nv12" else COLOUR[..., :2]
+    message = _image(encoding, cells)
+
+    def make(store: Any, header: Any) -> Any:
+        whole = message(store, header)
+        whole.height = whole.height * 2 // 3 if encoding == "nv12" else whole.height
+        return whole
+
+    (frame,) = open_source(_write(tmp_path, "ros1", {"/image": [make]}))
+    assert np.array_equal(frame.picture, cv2.cvtColor(np.ascontiguousarray(cells), code))
+
+
+@pytest.mark.parametrize("endian", [0, 1])
+def test_sixteen_bits_of_either_byte_order(tmp_path: Path, endian: int) -> None:
+    deep = (COLOUR[..., 0].astype(np.uint16) * 16).astype(">u2" if endian else "<u2")
+
+    def make(store: Any, header: Any) -> Any:
+        return store.types["sensor_msgs/msg/Image"](header, 12, 16, "mono16", endian, 32, deep.view(np.uint8).ravel())
+
+    (frame,) = open_source(_write(tmp_path, "ros1", {"/image": [make]}))
+    assert np.array_equal(frame.picture, COLOUR[..., 0])
+
+
+def test_compressed_depth(tmp_path: Path) -> None:
+    data = bytes(12) + cv2.imencode(".png", COLOUR[..., 0].astype(np.uint16) * 16)[1].tobytes()
+    path = _write(tmp_path, "mcap", {"/d": [lambda s, h: s.types["sensor_msgs/msg/CompressedImage"](
+        h, "16UC1; compressedDepth", np.frombuffer(data, np.uint8))]}, "sensor_msgs/msg/CompressedImage")
+    (frame,) = open_source(path)
+    assert np.array_equal(frame.picture, COLOUR[..., 0])
+
+
+def _foxglove(path: Path, frames: int = 12) -> list[np.ndarray[Any, Any]]:
+    """An MCAP file without a profile: H.264 in protobuf messages and a JSON channel; returns the pictures in it."""
+    pictures = [np.full((48, 64, 3), 20 * k, np.uint8) for k in range(frames)]
+    codec: Any = av.CodecContext.create("libx264", "w")
+    codec.width, codec.height, codec.pix_fmt, codec.time_base = 64, 48, "yuv420p", Fraction(1, 10)
+    codec.options = {"tune": "zerolatency", "preset": "ultrafast"}
+    with path.open("wb") as file:
+        writer = McapWriter(file, chunk_size=600)
+        writer.start(profile="")
+        schema = writer.register_schema("foxglove.CompressedVideo", "protobuf", b"")
+        video = writer.register_channel("/camera", "protobuf", schema)
+        other = writer.register_channel("/state", "json", 0)
+        for k, picture in enumerate(pictures):
+            writer.add_message(other, k, b"{}", k)
+            (packet,) = codec.encode(av.VideoFrame.from_ndarray(picture, format="bgr24"))
+            body = bytes(packet)
+            size = bytes([len(body) & 127 | 128, len(body) >> 7 & 127 | 128, len(body) >> 14])
+            stamp = bytes([0x0A, 2, 8, k + 1])
+            writer.add_message(video, 5 * k, stamp + b"\x1a" + size + body + b"\x22\x04h264", 5 * k)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return pictures
+
+
+def test_video_in_an_mcap_file_without_a_profile(tmp_path: Path) -> None:
+    pictures = _foxglove(tmp_path / "fox.mcap")
+    frames = list(open_source(tmp_path / "fox.mcap"))
+    assert [f.time_s for f in frames] == [k + 1 for k in range(12)]
+    assert all(np.abs(f.picture.astype(int) - p).max() <= 6 for f, p in zip(frames, pictures, strict=True))
+
+
+def test_a_cut_mcap_file_is_read_up_to_the_cut(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    _foxglove(tmp_path / "fox.mcap")
+    data = (tmp_path / "fox.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(data[:len(data) // 2])
+    frames = list(open_source(tmp_path / "cut.mcap"))
+    assert 1 <= len(frames) < 12 and "the file is cut short" in capsys.readouterr().err
+
+
+def test_a_folder_may_have_a_hash_in_its_name(tmp_path: Path) -> None:
+    (tmp_path / "dir #1").mkdir()
+    _foxglove(tmp_path / "dir #1/dive.mcap")
+    assert len(list(open_source(tmp_path / "dir #1/dive.mcap"))) == 12
+    assert len(list(open_source(f"{tmp_path}/dir #1/dive.mcap#/camera"))) == 12

@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sources: order and names of frames, and every error a user can make."""
 
+import struct
+from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
 
 from signum.common.errors import SourceError
 from signum.common.files import write_picture
-from signum.sources.files import ArraySource, FolderSource, VideoSource
+from signum.sources.files import ArraySource, FolderSource
 from signum.sources.live import CameraSource
 from signum.sources.open import open_source
+from signum.sources.video import VideoSource
 
 
 def _picture(width: int = 64, height: int = 48, seed: int = 0) -> np.ndarray:
@@ -42,6 +46,35 @@ def test_video_frames_are_numbered_from_zero(tmp_path: Path) -> None:
     assert [f.name for f in source] == [str(i) for i in range(12)], "a source can be read again"
 
 
+def test_a_video_of_unknown_codec_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "odd.avi"
+    path.write_bytes(_video(path, 3).read_bytes().replace(b"MJPG", b"zz99"))
+    with pytest.raises(SourceError, match="a kind that cannot be decoded; try `ffmpeg"):
+        open_source(path)
+
+
+@pytest.mark.parametrize("turn", [(0, 1, -1, 0), (-1, 0, 0, -1), (0, -1, 1, 0)])
+def test_a_turned_video_is_shown_upright(tmp_path: Path, turn: tuple[int, int, int, int]) -> None:
+    """The display matrix of a phone's or action camera's file is obeyed, as OpenCV obeys it."""
+    path = tmp_path / "turned.mp4"
+    picture = np.zeros((64, 96, 3), np.uint8)
+    picture[:32, :48], picture[:32, 48:], picture[32:, :48] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("mpeg4", rate=10)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for packet in [*stream.encode(av.VideoFrame.from_ndarray(picture, format="bgr24")), *stream.encode(None)]:
+            container.mux(packet)
+    data = bytearray(path.read_bytes())
+    a, b, c, d = (k << 16 for k in turn)
+    matrix = data.index(b"tkhd") + 44  # ISO/IEC 14496-12, 8.3.2: the track's matrix
+    data[matrix:matrix + 36] = struct.pack(">9i", a, b, 0, c, d, 0, 0, 0, 1 << 30)
+    path.write_bytes(data)
+    _, expected = cv2.VideoCapture(str(path)).read()
+    [frame] = open_source(path)
+    assert np.array_equal(frame.picture, expected)
+    assert frame.picture.shape[:2] == ((96, 64) if turn[0] == 0 else (64, 96))
+
+
 def test_arrays(tmp_path: Path) -> None:
     stack = np.stack([_picture(seed=s) for s in range(3)])
     np.save(tmp_path / "s.npy", stack)
@@ -62,13 +95,9 @@ def test_a_number_is_a_camera_unless_it_is_a_file(tmp_path: Path, monkeypatch: p
 
 
 def _bad(folder: Path, kind: str) -> Path:
-    path = folder / {"16bit": "a.png", "text": "a.png", "cut": "a.png", "cutjpg": "a.jpg", "float": "a.tif",
-                     "npy": "a.npy", "npyshape": "a.npy", "video": "a.mp4", "emptyvideo": "a.mp4"}.get(kind, "a")
-    if kind == "16bit":
-        write_picture(path, _picture().astype(np.uint16) * 256)
-    elif kind == "float":
-        write_picture(path, _picture().astype(np.float32))
-    elif kind == "text":
+    path = folder / {"text": "a.png", "cut": "a.png", "cutjpg": "a.jpg", "npy": "a.npy", "npyshape": "a.npy",
+                     "video": "a.mp4", "emptyvideo": "a.mp4"}.get(kind, "a")
+    if kind == "text":
         path.write_text("this is no picture")
     elif kind in ("cut", "cutjpg"):
         write_picture(path, _picture(256, 200))
@@ -87,8 +116,8 @@ def _bad(folder: Path, kind: str) -> Path:
 
 
 @pytest.mark.parametrize(("kind", "says"), [
-    ("missing", "no such file or folder"), ("16bit", "16-bit picture.*convert"), ("float", "32-bit picture"),
-    ("text", "cannot be read"), ("cut", "broken or cut short"), ("cutjpg", "broken or cut short"),
+    ("missing", "no such file or folder"), ("text", "cannot be read"), ("cut", "broken or cut short"),
+    ("cutjpg", "broken or cut short"),
     ("npy", "not a NumPy array"), ("npyshape", r"float64 array of shape \(4, 5, 6\)"),
     ("video", "not a video that can be decoded.*ffmpeg"), ("emptyvideo", "file is empty"),
     ("emptyfolder", "no pictures in this folder"),
@@ -126,3 +155,33 @@ def test_video_cut_short_gives_what_it_has_first(tmp_path: Path) -> None:
         for frame in source:
             seen.append(frame)
     assert 3 <= len(seen) < 20
+
+
+def test_deeper_pictures_are_mapped_alike_over_a_run(tmp_path: Path) -> None:
+    first, second = _picture(seed=1) // 2 + np.uint8(100), _picture(seed=2) // 4
+    for name, picture in (("1", first), ("2", second)):
+        write_picture(tmp_path / f"{name}.png", picture.astype(np.uint16) * 16)  # 12 bits
+    frames = list(open_source(tmp_path))
+    assert np.array_equal(frames[0].picture, first) and np.array_equal(frames[1].picture, second)
+
+
+def test_depth_in_metres_is_mapped_to_a_round_number(tmp_path: Path) -> None:
+    depth = np.linspace(0, 4.2, 64 * 48, dtype=np.float32).reshape(48, 64)
+    depth[0, 0] = np.nan
+    write_picture(tmp_path / "a.tif", depth)
+    (frame,) = open_source(tmp_path / "a.tif")
+    assert np.array_equal(frame.picture, np.rint(np.nan_to_num(depth) * np.float32(51)))
+
+
+def test_frames_of_a_video_keep_their_times(tmp_path: Path) -> None:
+    times = [0, 200, 300, 1300, 1500]
+    with av.open(str(tmp_path / "v.mp4"), "w") as file:
+        stream = file.add_stream("mpeg4", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        stream.codec_context.time_base = Fraction(1, 1000)
+        for k, t in enumerate(times):
+            frame = av.VideoFrame.from_ndarray(np.dstack([_picture(seed=k)] * 3), format="bgr24")
+            frame.pts, frame.time_base = t, Fraction(1, 1000)
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode())
+    assert [f.time_s for f in open_source(tmp_path / "v.mp4")] == pytest.approx([t / 1000 for t in times])

@@ -51,7 +51,7 @@ class RangeEye:
         self.before: View | None = None
 
     def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented:
-        """See `Eye`; takes a rectified pair."""
+        """Segment the left frame of a rectified pair, uint8 (height, width) each; `moved` is not used."""
         left, right = self.measurer.pair(frames[0], frames[1])
         found = measure_range(self.measurer, left, right, self.disparities, (self.window, self.window), self.step, None,
                               NEAR_RULES)
@@ -72,7 +72,10 @@ class MotionEye:
         self.before: View | None = None
 
     def look(self, frames: Sequence[Image], moved: tuple[float, float]) -> Segmented | None:
-        """See `Eye`."""
+        """Segment a frame, uint8 (height, width); None where there is no frame before.
+
+        `moved` is the predicted shift of the picture since the last frame by the camera's rotation, pixels.
+        """
         if self.before is not None:
             self.measurer.release(self.before)
         self.before, self.live = self.live, self.measurer.view(frames[0])

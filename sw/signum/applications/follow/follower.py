@@ -82,7 +82,8 @@ class Follower:
         """Process a frame (or a pair).
 
         Args:
-            frames, moved: see `Eye.look`.
+            frames: uint8 (H, W), one of a single camera, or left and right of a rectified pair.
+            moved: predicted shift of the picture since the last frame by the camera's rotation, pixels right and down.
             expected: predicted position of the fish by its and the camera's motion, pixels; None to extrapolate the
                 motion of the frames before.
         """

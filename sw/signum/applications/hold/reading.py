@@ -35,11 +35,14 @@ class Reading:
     """The vehicle's offset from its station.
 
     Attributes:
-        forward, right: metres in the reference's body axes, level.
+        forward: metres in the reference's body axes, level.
+        right: the same.
         heading: radians, clockwise seen from above.
-        zoom: initial range divided by the present one; range_m: present range, metres.
+        zoom: initial range divided by the present one.
+        range_m: present range, metres.
         confidence: 0 to 100; where it is 0, no other field is valid.
-        agreed: features that agree; tried: features searched for.
+        agreed: features that agree.
+        tried: features searched for.
     """
 
     forward: float = 0.0

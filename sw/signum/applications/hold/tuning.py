@@ -15,8 +15,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import differential_evolution
-from scipy.signal import cont2discrete
 
 from signum.common.arrays import Complexes, Floats
 
@@ -62,6 +60,8 @@ def loop(axis: Axis, gains: tuple[float, float, float], points: int = 400
 @lru_cache(maxsize=16)
 def _sampled(axis: Axis) -> tuple[Floats, Floats]:
     """Transition (3, 3) of position, speed and thrust from frame to frame, and the input (3, 1) of a held force."""
+    from scipy.signal import cont2discrete  # loads for a second, which every command would pay
+
     a = np.array([[0, 1, 0], [0, -axis.drag / axis.inertia, 1 / axis.inertia],
                   [0, -axis.damper / axis.lag, -1 / axis.lag]])
     push = np.array([[0.0], [0.0], [1 / axis.lag]])
@@ -90,6 +90,8 @@ def peaks(axis: Axis, gains: tuple[float, float, float]) -> tuple[float, float]:
 
 def tune(axis: Axis, seed: int = 0) -> tuple[float, float, float]:
     """Proportional, integral and rate gain with the largest integral gain within PEAK."""
+    from scipy.optimize import differential_evolution  # as above
+
     def cost(logs: Floats) -> float:
         p, i, d = (float(v) for v in np.exp(logs))
         worst = max(peaks(axis, (p, i, d)))

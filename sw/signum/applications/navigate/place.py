@@ -18,10 +18,13 @@ class LocaliseLimits:
         turns_deg: rotations of the frame against the mosaic that are tried without a prior, in order.
         convinced: votes at which no further rotation is tried.
         candidates: number of candidate places that are compared closely.
-        rot_deg, zoom: largest rotation and scale beyond those tried.
+        rot_deg: largest rotation beyond those tried.
+        zoom: largest scale.
         miss: largest residual of an agreeing window, as a fraction of its side: a mosaic is flat, the scene is not.
-        windows, share: least number of agreeing windows, and least share of those on the mosaic, with a prior.
-        sure_windows, sure_share: the same without a prior.
+        windows: least number of agreeing windows, with a prior.
+        share: least share of those on the mosaic, with a prior.
+        sure_windows: least number without a prior.
+        sure_share: least share without a prior.
         reach: half side of the search range around a predicted position, pixels of the board.
         rules: of the measurements.
     """
@@ -53,7 +56,8 @@ class Place:
         centre: of the frame, pixels of mosaic.png; NaN where not known.
         score: median matching fraction of the agreeing windows.
         confidence: 0 to 100; where it is 0, similarity, centre and score are not valid.
-        agreed, tried: windows that agree; windows that lie on the mosaic and have texture.
+        agreed: windows that agree.
+        tried: windows that lie on the mosaic and have texture.
         reason: why it is not known, one phrase.
     """
 
