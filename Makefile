@@ -91,8 +91,8 @@ synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.j
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
 .PHONY: formal
-formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these)
-	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(PROOFS)
+formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these; BROKEN=1: each must find a defect)
+	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(if $(BROKEN),--broken) $(PROOFS)
 
 .PHONY: gates
 gates: $(VENV)/.synth ## Modules and the board tiny as netlists of ECP5 cells under their own tests: out/gates/report.json (MODULES="fifo peak": only these)

@@ -25,6 +25,7 @@ setup(
         "sim.board": ["*.[ch]pp"],
         "sim.lint": ["verible.*"],
         "sim.registers.gen": ["*.db", "*.h", "*.pyi"],
+        "sim.mutate": ["*.toml", "*.sv", "*.cpp"],
         "sim.synth": ["*.sv", "floorplans/*.json"],
         "sim.testbench": ["*.cpp", "tb/*.sv", "tb/signs/*.hex"],
     },

@@ -70,7 +70,7 @@ async def reset_in_mid_pass(dut) -> None:
 
 
 @pytest.mark.parametrize(("group_bits", "ring_rows", "words", "hold_idle"), [
-    (TINY.group_bits, TINY.ring_rows, TINY.words_per_row, 1), (16, 64, 4, 0)])
+    (TINY.group_bits, TINY.ring_rows, TINY.words_per_row, 1), (16, 64, 10, 0)])
 def test_operand_array(group_bits: int, ring_rows: int, words: int, hold_idle: int) -> None:
     simulate("tb_operand_array", __name__,
              {"GroupBits": group_bits, "RingRows": ring_rows, "WordsPerRow": words, "HoldIdle": hold_idle})

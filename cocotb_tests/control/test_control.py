@@ -74,6 +74,24 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
 
 
 @cocotb.test()
+async def resets_while_loading(dut) -> None:
+    """A reset in any clock of the loading of zeros that follows a reset: all of it begins anew."""
+    config = CONFIGS["tiny"]
+    held = 0
+
+    def stimulus() -> Stimulus:
+        nonlocal held
+        for clocks in (*range(4 * config.coefs + 8), 100):
+            for _ in range(clocks):
+                out = yield {}
+                held += bool(out["hold_o"])
+            yield {"rst_i": 1}
+
+    await check_cycles(dut, ControlModel(config, fields()), stimulus())
+    assert held > 500
+
+
+@cocotb.test()
 @cocotb.parametrize(shape=SHAPES, overlap=[1, 8])
 async def every_clock(dut, shape: str, overlap: int) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
@@ -94,6 +112,32 @@ async def every_clock(dut, shape: str, overlap: int) -> None:
 @cocotb.test()
 async def timing_diagram(dut) -> None:
     await check_diagram(dut, "control", ControlModel(CONFIGS["tiny"], fields()))
+
+
+@cocotb.test()
+async def size_written_as_it_is_applied(dut) -> None:
+    """A size out of range is written in any clock around that in which the size before it is applied."""
+    config = CONFIGS["tiny"]
+    rng = random.Random(cocotb.RANDOM_SEED)
+    master = AxilMaster(ready_pattern("none", rng))
+    size, go = fields()["image_size.width"].address, fields()["filter.go"]
+    errors: set[int | None] = set()
+
+    def stimulus() -> Stimulus:
+        for wait in range(26):
+            master.write(size, config.min_image + wait % 2 | config.min_image << 16)
+            master.write(go.address, go.mask)
+            for t in range(120):
+                if t == 14 + wait:
+                    master.write(size, config.min_image - 1 | config.min_image << 16)
+                if t == 100:
+                    status = master.read(fields()["filter.size_error"].address)
+                out = yield dict(master.drive())
+                master.observe(out)
+            errors.add(fields()["filter.size_error"].unpack(status.data or 0))
+
+    await check_cycles(dut, ControlModel(config, fields()), stimulus())
+    assert errors == {0, 1}
 
 
 def test_control() -> None:

@@ -61,8 +61,8 @@ def _traffic(rng: random.Random, port: PeekPort, bits: int, words: int, seen: Co
     address = idle = 0
     answer: int | None = None  # clocks until the store's word
     for t in range(CLOCKS):
-        rst = int(t % 401 == 400)
         idle += 1
+        rst = int(t % 401 == 400 or (idle < 10 and rng.random() < 0.01))
         may = idle >= APART and not rst
         go = int(may and rng.random() < (0.3 if p.valid else 0.05))
         take = int(may and not go and port.settled and rng.random() < 0.5)

@@ -53,6 +53,11 @@ async def every_clock(dut, source: str, sink: str) -> None:
 
 
 @cocotb.test()
+async def timing_diagram(dut) -> None:
+    await check_diagram(dut, "correlator", GridModel())
+
+
+@cocotb.test()
 async def large_grids(dut) -> None:
     """Grids of up to 1023 jobs across or down, each cut by a reset after its first jobs; then one that ends."""
     rng = random.Random(cocotb.RANDOM_SEED)
@@ -76,11 +81,6 @@ async def large_grids(dut) -> None:
 
     await check_cycles(dut, GridModel(), stimulus(), count)
     assert jobs > 100
-
-
-@cocotb.test()
-async def timing_diagram(dut) -> None:
-    await check_diagram(dut, "correlator", GridModel())
 
 
 def test_grid() -> None:

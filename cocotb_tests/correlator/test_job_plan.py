@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`slog_job_plan` at full size against its cycle model on every clock."""
+"""`slog_job_plan` at more than full size against its cycle model on every clock."""
 
 import random
+from dataclasses import replace
 
 import cocotb
 
@@ -13,15 +14,18 @@ from golden.structs import pack_job
 from golden.traffic.jobs import KINDS, acceptable, mixed
 from sim.testbench.runner import simulate
 
+LARGEST = replace(FULL, max_width=9 * FULL.group_bits, max_height=900, slots=8)
+"""A board that needs every bit of addresses, rows and slots; words per row are no power of two."""
+
 
 @cocotb.test()
 @cocotb.parametrize(resets=[False, True])
 async def every_clock(dut, resets: bool) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
-    config = FULL
+    config = LARGEST
     size = (config.max_width, config.max_height)
     jobs = [acceptable(rng, config, size, kind) for kind in KINDS for _ in range(12)]
-    jobs += mixed(rng, config, size, [True] * 8, 30)
+    jobs += mixed(rng, config, size, [True] * 7 + [False], 30)
     rng.shuffle(jobs)
     defined = 0
 
@@ -42,4 +46,4 @@ async def every_clock(dut, resets: bool) -> None:
 
 def test_job_plan() -> None:
     simulate("slog_job_plan", __name__,
-             {"Width": FULL.group_bits, "MaxHeight": FULL.max_height, "WordsPerRow": FULL.words_per_row})
+             {"Width": LARGEST.group_bits, "MaxHeight": LARGEST.max_height, "WordsPerRow": LARGEST.words_per_row})

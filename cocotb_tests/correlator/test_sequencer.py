@@ -5,13 +5,14 @@ import random
 from collections import Counter, deque
 
 import cocotb
+import pytest
 
 from cocotb_tests.env.check import check_cycles
 from golden.correlate import Job, Status, check
 from golden.cycle.array.timing import drain_clocks
 from golden.cycle.correlator.sequencer import SequencerModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
-from golden.params import TINY
+from golden.params import FULL, TINY, Config
 from golden.structs import STEP, TICKET, pack_job, unpack_job
 from golden.traffic.jobs import mixed
 from golden.traffic.stalls import SHAPES, ready_pattern
@@ -122,7 +123,69 @@ async def reset_in_work(dut, reset_at: int) -> None:
     assert contexts >= 8
 
 
-def test_sequencer() -> None:
+def _alone(config: Config, job: Job, row: int, bank: int) -> Inputs:
+    """Inputs for a job whose ticket is offered while nothing else goes on; its rows are all written."""
+    ticket = {"job": pack_job(job), "status": Status.OK, "row": row, "bank": bank,
+              "area": job.width * job.height & 0x7FFF}
+    return {"ticket_valid_i": 1, "ticket_i": TICKET.pack(ticket), "ctx_ready_i": 1, "row_ready_i": 1, "tpl_done_i": 3,
+            "rows_written_i": (row + job.height + job.offsets_y - 1) % (2 * config.ring_rows)}
+
+
+@cocotb.test()
+async def reset_in_any_clock(dut) -> None:
+    """A short job is cut by a reset after any number of clocks, and offered again in the next clock."""
+    inputs = _alone(TINY, Job(0, 5, 3, 8, 2, 0, 7, 4, 2, 1), 0, 0)
+    ends = 0
+
+    def stimulus() -> Stimulus:
+        nonlocal ends
+        for moment in range(1, 60):
+            offered = 1
+            for t in range(moment + 1):
+                out = yield {**inputs, "ticket_valid_i": offered, "rst_i": int(t == moment)}
+                offered &= not out["ticket_ready_o"]
+                ends += bool(out["bank_free_o"])
+
+    await check_cycles(dut, _model(), stimulus())
+    assert ends >= 5
+
+
+@cocotb.test()
+async def full_size(dut) -> None:
+    """Windows of every width modulo the mask's units, the widest rows, and templates that come after the rows."""
+    config = FULL
+    rng = random.Random(cocotb.RANDOM_SEED)
+    shapes = [(config.max_window, 127, 513, 1), (8, 3, 633, 2), *((w, 2, rng.randint(1, 40), 1) for w in range(57, 74)),
+              *((rng.randint(8, 128), rng.randint(8, 60), rng.randint(1, 80), 2) for _ in range(10))]
+    scores = 0
+
+    def stimulus() -> Stimulus:
+        row = 0
+        for n, (width, height, across, down) in enumerate(shapes):
+            inputs = _alone(config, Job(0, 0, 0, width, height, 1, 0, 0, across, down), row, n % 2)
+            wait = rng.choice((0, 100))
+            busy, t = True, 0
+            while busy:
+                out = yield {**inputs, "ticket_valid_i": int(t == 0), "tpl_done_i": 3 if t >= wait else 0}
+                t, busy = t + 1, t < 2 or bool(out["busy_o"])
+            row = inputs["rows_written_i"]
+
+    def count(_i: Inputs, out: Outputs) -> None:
+        nonlocal scores
+        if out["step_valid_o"]:
+            assert out["step_o"] is not None
+            step = STEP.unpack(out["step_o"])
+            scores += step["lanes"] * step["last"]
+
+    model = SequencerModel(config.group_bits, config.pitch, config.ring_rows,
+                           drain_clocks(config.group_bits, config.lanes))
+    await check_cycles(dut, model, stimulus(), count)
+    assert scores == sum(across * down for _, _, across, down in shapes)
+
+
+@pytest.mark.parametrize(("config", "testcase"), [(TINY, "every_clock|reset_in"), (FULL, "full_size")],
+                         ids=lambda value: getattr(value, "name", None))
+def test_sequencer(config: Config, testcase: str) -> None:
     simulate("tb_sequencer", __name__,
-             {"GroupBits": TINY.group_bits, "Pitch": TINY.pitch, "RingRows": TINY.ring_rows,
-              "DrainClocks": drain_clocks(TINY.group_bits, TINY.lanes)})
+             {"GroupBits": config.group_bits, "Pitch": config.pitch, "RingRows": config.ring_rows,
+              "DrainClocks": drain_clocks(config.group_bits, config.lanes)}, testcase=testcase)

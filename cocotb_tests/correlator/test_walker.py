@@ -65,6 +65,29 @@ async def every_clock(dut, source: str) -> None:
     assert steps > 400 and passes > 120 and drained > 50
 
 
+@cocotb.test()
+async def reset_in_any_clock(dut) -> None:
+    """A short row is cut by a reset after any number of clocks; then nothing comes until the array is drained."""
+    p = params()
+    row = STEP_ROW.pack({"final_row": 1, "bank": 1, "wide": 0, "odd": 0, "ring_row": 3, "last_lanes": 2, "free_to": 9,
+                         **row_counts(2, passes=2, gap_row=1, gap_pass=1)})
+    drained = 0
+
+    def stimulus() -> Stimulus:
+        nonlocal drained
+        for moment in range(1, 16):
+            offered = 1
+            for t in range(moment + 1):
+                out = yield {"row_valid_i": offered, "row_i": row, "rst_i": int(t == moment)}
+                offered &= not out["row_ready_o"]
+            for _ in range(p["DrainClocks"] + 6):
+                out = yield {}
+            drained += bool(out["drained_o"])
+
+    await check_cycles(dut, WalkerModel(p["Pitch"], p["RingRows"], p["DrainClocks"]), stimulus())
+    assert drained == 15
+
+
 def test_walker() -> None:
     simulate("tb_walker", __name__,
              {"Pitch": TINY.pitch, "RingRows": TINY.ring_rows,

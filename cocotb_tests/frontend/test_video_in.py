@@ -208,6 +208,82 @@ async def abort_of_a_frame_that_never_ends(dut) -> None:
     assert dropped == done == len(stops)
 
 
+def _send(settings: Inputs, beats: list[Beat]) -> Stimulus:
+    """Beats without gaps."""
+    for data, user, last in beats:
+        yield {**settings, "tvalid_i": 1, "tdata_i": data, "tuser_i": user, "tlast_i": last}
+
+
+@cocotb.test()
+@cocotb.parametrize(how=("abort", "start", "last"))
+async def breaks_around_first_output_row(dut, how: str) -> None:
+    """A frame breaks in any clock around the start of its first output row: it is output never, or until its abort."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    settings = {"width_i": WIDTH, "height_i": HEIGHT}
+    first_row = (params()["Radius"] + 1) * WIDTH
+    moments = range(first_row - 3, first_row + 8)
+    counts = dict.fromkeys(("px_start_o", "px_abort_o", "px_done_o", "dropped_o"), 0)
+
+    def stimulus() -> Stimulus:
+        for moment in moments:
+            beats = good(texture(rng, WIDTH, HEIGHT)).beats
+            yield from _send(settings, beats[:moment])
+            if how == "abort":
+                yield {**settings, "abort_i": 1}
+            elif how == "start":
+                yield from _send(settings, good(texture(rng, WIDTH, HEIGHT)).beats)
+            else:
+                yield from _send(settings, [(0, 0, int(moment % WIDTH != WIDTH - 1))])
+            for _ in range((params()["Radius"] + 2) * WIDTH):
+                yield settings
+
+    def count(i: Inputs, out: Outputs) -> None:
+        for name in counts:
+            counts[name] += out[name] or 0
+
+    await check_cycles(dut, VideoInModel(params()["Radius"]), stimulus(), count)
+    assert counts["dropped_o"] == len(moments)
+    assert counts["px_done_o"] == len(moments) * (how == "start")
+    assert 0 < counts["px_abort_o"] == counts["px_start_o"] - counts["px_done_o"] < len(moments)
+
+
+@cocotb.test()
+async def last_line_ends_early(dut) -> None:
+    """The last line ends early and stray pixels follow: one drop, because they still belong to the dropped frame."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    settings = {"width_i": WIDTH, "height_i": HEIGHT}
+    dropped = 0
+
+    def stimulus() -> Stimulus:
+        for left in range(1, WIDTH):
+            beats = good(texture(rng, WIDTH, HEIGHT)).beats[:-left]
+            yield from _send(settings, [*beats[:-1], (*beats[-1][:2], 1), *[(1, 0, 0)] * 5, (1, 0, 1), (1, 0, 0)])
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal dropped
+        dropped += out["dropped_o"] or 0
+
+    await check_cycles(dut, VideoInModel(params()["Radius"]), stimulus(), count)
+    assert dropped == WIDTH - 1
+
+
+@cocotb.test()
+async def tall_frame(dut) -> None:
+    """A frame of more than 512 rows."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    width, height = 2 * params()["Radius"] + 2, 515
+    done = 0
+
+    def count(i: Inputs, out: Outputs) -> None:
+        nonlocal done
+        done += out["px_done_o"] or 0
+
+    await check_cycles(dut, VideoInModel(params()["Radius"]),
+                       play([good(texture(rng, width, height))], {"width_i": width, "height_i": height},
+                            ready_pattern("none", rng), rng), count)
+    assert done == 1
+
+
 @cocotb.test()
 async def latency(dut) -> None:
     """From idle, the first pixel of a line follows its last beat by 6 clocks."""

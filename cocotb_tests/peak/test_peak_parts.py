@@ -26,7 +26,8 @@ from golden.structs import CONTEXT, Layout
 from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
-CLOCKS = 600
+LONG, SHORT = 225, 15
+"""Clocks from one reset to the next, twice and ten times: resets meet every stage at work."""
 FEW = 3
 """Largest score where ties are wanted."""
 
@@ -194,12 +195,12 @@ COUNTED = ("stage_out_valid_o", "half_out_valid_o", "room_row_ready_o", "rows_ro
 
 
 def _together(rng: random.Random, shape: str) -> Stimulus:
-    """All stimuli in parallel, begun anew after a reset in the middle."""
-    for _ in range(2):
+    """All stimuli in parallel, begun anew after each of many resets."""
+    for clocks in (LONG, LONG, *(SHORT + rng.randint(-9, 9) for _ in range(10))):
         running = {p: make(rng, shape) for p, make in TRAFFIC.items()}
         wanted = {p: next(g) for p, g in running.items()}
-        for t in range(CLOCKS // 2):
-            rst = int(t == CLOCKS // 2 - 1)
+        for t in range(clocks):
+            rst = int(t == clocks - 1)
             out = yield {"rst_i": rst, **{f"{p}_{n}": v for p, i in wanted.items() for n, v in i.items()}}
             if not rst:
                 wanted = {p: g.send({n.removeprefix(f"{p}_"): v for n, v in out.items() if n.startswith(f"{p}_")})

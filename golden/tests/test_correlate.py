@@ -8,8 +8,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.correlate import COORDINATE_MAX, Job, Plane, Status, Surface, check, grid, peak, run, surface
+from golden.correlate import (
+    COORDINATE_MAX,
+    Job,
+    Plane,
+    Result,
+    Status,
+    Surface,
+    above_chance,
+    check,
+    grid,
+    peak,
+    run,
+    surface,
+)
 from golden.params import FULL, NO_SCORE, TINY, Config
+from golden.structs import JOB
 
 WIDTH, HEIGHT = 48, 36
 SIZE = (WIDTH, HEIGHT)
@@ -137,6 +151,7 @@ GOOD = Job(0, 10, 10, 16, 8, 1, 5, 6, 20, 10, tag=77)
     ({"height": 1}, Status.BAD_WINDOW), ({"height": 17}, Status.BAD_WINDOW), ({"height": 16}, Status.OK),
     ({"offsets_x": 0}, Status.NO_OFFSETS), ({"offsets_y": 0}, Status.NO_OFFSETS),
     ({"tpl_slot": 2}, Status.BAD_SLOT), ({"search_slot": 2}, Status.BAD_SLOT), ({"tpl_slot": 7}, Status.BAD_SLOT),
+    ({"tpl_slot": 6}, Status.BAD_SLOT), ({"search_slot": 6}, Status.BAD_SLOT), ({"search_slot": 5}, Status.OK),
     ({"tpl_x": 32}, Status.OK), ({"tpl_x": 33}, Status.OUTSIDE),
     ({"tpl_y": 28}, Status.OK), ({"tpl_y": 29}, Status.OUTSIDE),
     ({"offsets_x": 28}, Status.OK), ({"offsets_x": 29}, Status.OUTSIDE),
@@ -148,9 +163,9 @@ GOOD = Job(0, 10, 10, 16, 8, 1, 5, 6, 20, 10, tag=77)
 ])
 def test_check(change: dict[str, int], status: Status) -> None:
     job = replace(GOOD, **change)  # type: ignore[arg-type]
-    planes = {0: random_plane(1), 1: random_plane(2), 7: random_plane(3)}
+    planes = {slot: random_plane(slot) for slot in (0, 1, 5, 6, 7)}
     assert check(job, TINY, SIZE, planes) is status
-    assert check(job, TINY, SIZE, [True, True, False, False, False, False, False, True]) is status
+    assert check(job, TINY, SIZE, [True, True, False, False, False, True, True, True]) is status
     result = run(job, planes, TINY, SIZE)
     assert (result.status, result.tag) == (status, 77)
     if status is not Status.OK:
@@ -188,3 +203,29 @@ def test_grid(nx: int, ny: int, sx: int, sy: int) -> None:
         moved = (GOOD.tpl_x + i * sx, GOOD.search_x + i * sx, GOOD.tpl_y + j * sy, GOOD.search_y + j * sy)
         if max(moved) > COORDINATE_MAX:
             assert check(job, FULL, (640, 480), [True] * 8) is Status.OUTSIDE
+
+
+def test_above_chance() -> None:
+    assert above_chance(0.75, 4096, 2.0) == pytest.approx(0.5 * 64 / (1.1 * 2.0))
+    assert above_chance(0.5, 100, 1.0) == 0
+    assert above_chance(0.25, 100, 3.0) == pytest.approx(-5 / 3.3)
+    result = Result(GOOD.tag, Status.OK, 1, 2, 96, (1, 2, 3, 4, 5, 6, 7, 8), 50)
+    assert result.above_chance(GOOD, 1.5) == pytest.approx(above_chance(96 / 128, 128, 1.5))
+    assert replace(result, status=Status.OUTSIDE).above_chance(GOOD, 1.5) == 0
+
+
+def test_patch_is_in_raster_order() -> None:
+    patch = Result(1, Status.OK, 0, 0, 9, (1, 2, 3, 4, 5, 6, 7, 8)).patch
+    assert patch.dtype == np.int32
+    assert patch.tolist() == [[1, 2, 3], [4, 9, 5], [6, 7, 8]]
+
+
+@pytest.mark.parametrize("name", ["tag", "tpl_slot", "search_slot", "width", "height", "tpl_x", "tpl_y", "search_x",
+                                  "search_y", "offsets_x", "offsets_y"])
+def test_jobs_fit_their_registers(name: str) -> None:
+    top = (1 << next(bits for field, bits in JOB.fields if field == name)) - 1
+    for value in (0, top):
+        assert getattr(replace(GOOD, **{name: value}), name) == value  # type: ignore[arg-type]
+    for value in (-1, top + 1):
+        with pytest.raises(ValueError, match=f"{name} is {value}: must lie in 0..{top}"):
+            replace(GOOD, **{name: value})  # type: ignore[arg-type]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs proofs: writes each one's SymbiYosys file into `build/formal/`, runs it and prints one line.
 
-`python -m sim.formal [--quick] [NAME ...]` runs all proofs, the quick ones, or those named. It fails if a proof fails
+`python -m sim.formal [--quick] [--broken] [NAME ...]` runs all proofs, the quick ones, or those named; with `--broken`
+each on RTL with a defect, which it must find (`sim.formal.broken`). It fails if a proof fails
 or runs out of time, and if the design holds no assertion (or no cover point): Yosys' reader drops assertions silently
 when it takes the design for one to be synthesised.
 """
@@ -15,9 +16,10 @@ import shutil
 import subprocess
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from sim.formal.broken import DEFECTS, broken_sources
 from sim.formal.proofs import PROOFS, Proof
 from sim.toolchain import BUILD, headers, installed_tool, sources_of
 
@@ -27,6 +29,8 @@ COMMON = ("reset", "choice", "queue")
 """Files of `properties/` that several proofs share."""
 TIMEOUT = 600
 """Seconds after which a proof is given up."""
+BROKEN_DEPTH = 24
+"""Clocks within which a proof by induction must find its defect."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +143,21 @@ def line(outcome: Outcome) -> str:
             + (f"  {outcome.reason}" if outcome.reason else ""))
 
 
+def run_broken(proof: Proof) -> Outcome:
+    """Run a proof on RTL with its defect; it passes if an assertion fails in a run that begins with the reset.
+
+    A failure of the induction alone would not count: it may begin in a state that is never reached. So a proof by
+    induction is run as `bmc` here, for more clocks.
+    """
+    broken = replace(proof, name=f"broken_{proof.name}")
+    if proof.mode == "prove":
+        broken = replace(broken, mode="bmc", depth=max(proof.depth, BROKEN_DEPTH))
+    outcome = run(broken, broken_sources(proof, FOLDER / "defects" / proof.name))
+    log = (FOLDER / f"{broken.name}.log").read_text()
+    found = "Assert failed in" in log and "DONE (FAIL" in log
+    return replace(outcome, passed=found, reason=f"{'found: ' if found else 'NOT FOUND; '}{outcome.reason}"[:160])
+
+
 def chosen(names: Iterable[str], quick: bool) -> list[Proof]:
     """The proofs named, or all, or the quick ones.
 
@@ -160,10 +179,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m sim.formal", description="Prove the RTL's assertions.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="proofs to run (default: all)")
     parser.add_argument("--quick", action="store_true", help="only the proofs that take little time")
+    parser.add_argument("--broken", action="store_true", help="on RTL with a defect each, which the proof must find")
     options = parser.parse_args()
     outcomes = []
     for proof in chosen(options.names, options.quick):
-        outcomes.append(run(proof))
+        if options.broken and proof.name not in DEFECTS:
+            continue
+        outcomes.append(run_broken(proof) if options.broken else run(proof))
         print(line(outcomes[-1]), flush=True)
     failed = [outcome.proof.name for outcome in outcomes if not outcome.passed]
     print(f"{len(outcomes) - len(failed)} of {len(outcomes)} proofs passed, "

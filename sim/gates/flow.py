@@ -21,7 +21,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from sim.building import tail
-from sim.gates.items import ITEMS, Item
+from sim.gates.items import ITEMS, GateItem
 from sim.toolchain import ROOT
 
 OUT = ROOT / "out" / "gates"
@@ -30,7 +30,7 @@ LOG_LINES = 30
 
 
 @dataclass(frozen=True)
-class Outcome:
+class GateOutcome:
     """Result of an item.
 
     Attributes:
@@ -52,7 +52,7 @@ class Outcome:
     reason: str = ""
 
 
-def command(item: Item) -> list[str]:
+def command(item: GateItem) -> list[str]:
     """The call of pytest, or of the bench in Icarus, that an item is."""
     if item.netlist == "icarus":
         return [sys.executable, "-m", "sim.gates.icarus"]
@@ -61,7 +61,7 @@ def command(item: Item) -> list[str]:
             *([f"{path}::{test}" for test in item.tests] or [path])]
 
 
-def outcome(name: str, log: str, status: int, seconds: float) -> Outcome:
+def outcome(name: str, log: str, status: int, seconds: float) -> GateOutcome:
     """What an item's output says.
 
     Args:
@@ -77,10 +77,10 @@ def outcome(name: str, log: str, status: int, seconds: float) -> Outcome:
     skipped = re.search(r"\d+ skipped", log)
     reason = (f"pytest ended with status {status}" if status else "a test was skipped" if skipped
               else "" if cells and tests else "no netlist was simulated")
-    return Outcome(name, not reason, len(cells), max(cells, default=0), tests, round(seconds, 1), reason)
+    return GateOutcome(name, not reason, len(cells), max(cells, default=0), tests, round(seconds, 1), reason)
 
 
-def run(item: Item) -> Outcome:
+def run(item: GateItem) -> GateOutcome:
     """Run the tests of one item on netlists."""
     print(f"begun   {item.name}", flush=True)
     begun = time.monotonic()
@@ -95,14 +95,14 @@ def run(item: Item) -> Outcome:
     return result
 
 
-def line(result: Outcome) -> str:
+def line(result: GateOutcome) -> str:
     """One line for the terminal."""
     verdict = "passed" if result.passed else "FAILED"
     return (f"{verdict}  {result.name:14} {result.netlists:2} netlists of up to {result.cells:6} cells, "
             f"{result.tests:3} tests {result.seconds:7.1f} s" + (f"  {result.reason}" if result.reason else ""))
 
 
-def chosen(names: Iterable[str]) -> list[Item]:
+def chosen(names: Iterable[str]) -> list[GateItem]:
     """The items named, or all.
 
     Raises:
@@ -116,14 +116,14 @@ def chosen(names: Iterable[str]) -> list[Item]:
     return [by_name[name] for name in wanted] or list(ITEMS)
 
 
-def run_all(items: Sequence[Item], jobs: int) -> list[Outcome]:
+def run_all(items: Sequence[GateItem], jobs: int) -> list[GateOutcome]:
     """Run items, `jobs` at a time; the outcomes are in the items' order."""
     OUT.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(jobs) as workers:
         return list(workers.map(run, items))
 
 
-def report(outcomes: Sequence[Outcome], path: Path) -> None:
+def report(outcomes: Sequence[GateOutcome], path: Path) -> None:
     """Print the table and write it to `path`."""
     print("\n" + "\n".join(map(line, outcomes)))
     failed = [each.name for each in outcomes if not each.passed]

@@ -6,11 +6,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Netlist = Literal["synthesised", "placed", "icarus"]
+Netlist = Literal["synthesised", "icarus"]
 
 
 @dataclass(frozen=True)
-class Item:
+class GateItem:
     """Tests of one file that run on netlists of ECP5 cells.
 
     Attributes:
@@ -18,8 +18,8 @@ class Item:
         file: with the tests, within `cocotb_tests/`.
         tests: those of its pytest functions that run; all where it is empty.
         reason: why the others do not.
-        netlist: `synthesised`: as Yosys makes it; `placed`: as nextpnr has packed and placed it, of the board only;
-            both in Verilator. `icarus`: the board's bench in Icarus, from all-X, instead of tests.
+        netlist: `synthesised`: as Yosys makes it, in Verilator. `icarus`: the board's in Icarus, from all-X, with a
+            bench instead of tests.
     """
 
     name: str
@@ -30,37 +30,38 @@ class Item:
 
 
 ITEMS = (
-    Item("fifo", "cells/test_fifo.py"),
-    Item("mult", "cells/test_mult.py"),
-    Item("ram", "cells/test_ram.py"),
-    Item("ram_fifo", "cells/test_ram_fifo.py"),
-    Item("packer", "frontend/test_packer.py"),
-    Item("taps", "frontend/test_taps.py"),
-    Item("fir", "frontend/test_fir.py"),
-    Item("line_buffer", "frontend/test_line_buffer.py"),
-    Item("log", "frontend/test_log.py"),
-    Item("video_in", "frontend/test_video_in.py"),
-    Item("frontend", "frontend/test_frontend.py"),
-    Item("store", "store/test_store.py"),
-    Item("capture", "store/test_capture.py"),
-    Item("peek", "control/test_peek.py"),
-    Item("registers", "control/test_registers.py"),
-    Item("axi", "control/test_axi.py"),
-    Item("control", "control/test_control.py"),
-    Item("job_check", "correlator/test_job_check.py"),
-    Item("job_plan", "correlator/test_job_plan.py"),
-    Item("grid", "correlator/test_grid.py"),
-    Item("fetch", "correlator/test_fetch.py"),
-    Item("walker", "correlator/test_walker.py"),
-    Item("sequencer", "correlator/test_sequencer.py"),
-    Item("align", "correlator/test_align.py"),
-    Item("operand_array", "array/test_operand_array.py"),
-    Item("array", "array/test_array.py"),
-    Item("peak_parts", "peak/test_peak_parts.py"),
-    Item("peak", "peak/test_peak.py"),
-    Item("correlator", "correlator/test_correlator.py"),
-    Item("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
-    Item("board_races", "test_board_races.py"),
+    GateItem("fifo", "cells/test_fifo.py"),
+    GateItem("mult", "cells/test_mult.py"),
+    GateItem("ram", "cells/test_ram.py"),
+    GateItem("ram_fifo", "cells/test_ram_fifo.py"),
+    GateItem("packer", "frontend/test_packer.py"),
+    GateItem("taps", "frontend/test_taps.py"),
+    GateItem("fir", "frontend/test_fir.py"),
+    GateItem("line_buffer", "frontend/test_line_buffer.py"),
+    GateItem("log", "frontend/test_log.py"),
+    GateItem("video_in", "frontend/test_video_in.py"),
+    GateItem("frontend", "frontend/test_frontend.py"),
+    GateItem("store", "store/test_store.py"),
+    GateItem("capture", "store/test_capture.py"),
+    GateItem("peek", "control/test_peek.py"),
+    GateItem("registers", "control/test_registers.py"),
+    GateItem("axi", "control/test_axi.py"),
+    GateItem("control", "control/test_control.py"),
+    GateItem("job_check", "correlator/test_job_check.py"),
+    GateItem("job_plan", "correlator/test_job_plan.py"),
+    GateItem("grid", "correlator/test_grid.py"),
+    GateItem("fetch", "correlator/test_fetch.py"),
+    GateItem("walker", "correlator/test_walker.py"),
+    GateItem("sequencer", "correlator/test_sequencer.py"),
+    GateItem("align", "correlator/test_align.py"),
+    GateItem("operand_array", "array/test_operand_array.py"),
+    GateItem("array", "array/test_array.py"),
+    GateItem("peak_parts", "peak/test_peak_parts.py"),
+    GateItem("peak", "peak/test_peak.py"),
+    GateItem("correlator", "correlator/test_correlator.py"),
+    GateItem("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
+    GateItem("board_races", "test_board_races.py"),
+    GateItem("board_icarus", "", netlist="icarus"),
 )
 ELSEWHERE = {
     "test_bench_detects.py": "its modules are broken ones",

@@ -27,7 +27,7 @@ CLOCKS = 6
 """Length of the induction."""
 ROUNDS = 8
 """Times that registers which do not stay equal are left out of what must stay equal; outputs never are."""
-TIMEOUT = 300
+TIMEOUT = 120
 """Seconds after which a proof is given up."""
 
 

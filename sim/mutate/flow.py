@@ -20,7 +20,7 @@ from pathlib import Path
 
 from sim.mutate import plan, reasons
 from sim.mutate.calls import Call, calls_of
-from sim.mutate.run import Broken, Outcome, run_module
+from sim.mutate.run import Broken, Fate, run_module
 from sim.mutate.sites import Mutant
 from sim.seeds import session_rng, session_seed
 from sim.toolchain import ROOT
@@ -47,7 +47,7 @@ def modules_of(words: Iterable[str]) -> list[str]:
     return found
 
 
-def run(chosen: Mapping[str, Sequence[Mutant]], jobs: int) -> tuple[dict[str, Outcome], list[str]]:
+def run(chosen: Mapping[str, Sequence[Mutant]], jobs: int) -> tuple[dict[str, Fate], list[str]]:
     """Run mutants, several modules at once.
 
     Args:
@@ -76,8 +76,8 @@ def _calls(module: str, by_file: Mapping[str, Sequence[Call]]) -> list[Call]:
     return sorted((call for file in plan.TESTS[module] for call in by_file[file]), key=lambda call: call.size)
 
 
-def judge(chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Outcome],
-          why: Mapping[str, reasons.Reason]) -> list[str]:
+def judge(chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Fate],
+          why: Mapping[str, reasons.Explanation]) -> list[str]:
     """What must be mended: survivors without a reason, and reasons that are wrong."""
     faults = []
     for mutants in chosen.values():
@@ -90,8 +90,8 @@ def judge(chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Outcome
     return faults
 
 
-def table(chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Outcome],
-          why: Mapping[str, reasons.Reason]) -> str:
+def table(chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Fate],
+          why: Mapping[str, reasons.Explanation]) -> str:
     """One line per module: mutants, how they were killed, survivors with a reason and without, processor seconds."""
     heads = ("mutants", "test", "assertion", "time", "crash", "proof", "argument", "alive")
     lines = [f"{'module':24}" + "".join(f"{head:>10}" for head in heads) + f"{'cpu s':>8}"]
@@ -113,8 +113,8 @@ def _row(name: str, heads: Sequence[str], row: Mapping[str, float]) -> str:
     return f"{name:24}" + "".join(f"{row.get(head, 0):>10.0f}" for head in heads) + f"{row.get('cpu', 0):>8.0f}"
 
 
-def write_report(path: Path, chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Outcome],
-                 why: Mapping[str, reasons.Reason], text: str) -> None:
+def write_report(path: Path, chosen: Mapping[str, Sequence[Mutant]], outcomes: Mapping[str, Fate],
+                 why: Mapping[str, reasons.Explanation], text: str) -> None:
     """Write the report as JSON, and the table beside it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     rows = [{**asdict(mutant), "outcome": asdict(outcomes[mutant.name]) if mutant.name in outcomes else None,

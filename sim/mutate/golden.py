@@ -20,6 +20,7 @@ import importlib.machinery
 import importlib.util
 import json
 import os
+import re
 import resource
 import sys
 import time
@@ -169,11 +170,27 @@ def _run_one(change: Change | None, log: Path) -> tuple[int, float]:
             sys.meta_path.insert(0, _Mutated(change))
         import pytest
 
-        status = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=line", *TESTS])
+        status = pytest.main(["-x", "-q", "-ra", "-p", "no:cacheprovider", "--no-header", "--tb=line",
+                              "--assert=plain", *_ordered(change)], plugins=[_NoShrinking()])
         sys.stdout.flush()
         os._exit(int(status))
     _, status, usage = os.wait4(child, 0)
     return os.waitstatus_to_exitcode(status), usage.ru_utime + usage.ru_stime
+
+
+class _NoShrinking:
+    """Hypothesis need not look for the smallest example of a failure."""
+
+    def pytest_sessionstart(self) -> None:
+        from hypothesis import Phase, settings
+
+        settings.register_profile("mutants", settings.get_profile("signum"), phases=(Phase.explicit, Phase.generate))
+        settings.load_profile("mutants")
+
+
+def _ordered(change: Change | None) -> list[str]:
+    """The test files, that of the changed module first: most mutants die there."""
+    return sorted(TESTS, key=lambda name: change is None or not name.endswith(f"_{change.path.stem}.py"))
 
 
 def _preload() -> None:
@@ -185,18 +202,23 @@ def _preload() -> None:
         raise RuntimeError(f"{', '.join(loaded)} would not be mutated")
 
 
+def _key(by: str) -> str:
+    """Digest of what an outcome depends on: the model, and the test file that killed the mutant, or all of them."""
+    tests = [ROOT / name for name in ([by] if by else TESTS)]
+    return digest([], [*sorted((ROOT / "golden").glob("*.py")), *tests])[:16]
+
+
 def run(mutants: Sequence[Change]) -> dict[str, bool]:
     """Whether each mutant was killed. Outcomes are kept under a digest of model and tests.
 
     Raises:
         RuntimeError: if the tests fail without a mutant.
     """
-    key = digest([], [*sorted((ROOT / "golden").glob("*.py")), *(ROOT / name for name in TESTS)])[:16]
     known = {}
     if JOURNAL.exists():
         for line in map(json.loads, JOURNAL.read_text().splitlines()):
-            if line["key"] == key:
-                known[line["mutant"]] = bool(line["killed"])
+            if line["key"] == _key(line["by"]):
+                known[line["mutant"]] = bool(line["by"])
     todo = [mutant for mutant in mutants if mutant.name not in known]
     if not todo:
         return known
@@ -210,8 +232,10 @@ def run(mutants: Sequence[Change]) -> dict[str, bool]:
     for n, mutant in enumerate(todo, 1):
         status, cpu = _run_one(mutant, log)
         known[mutant.name] = status != 0
+        found = re.findall(r"^(?:FAILED|ERROR) (golden/tests/\w+\.py)", log.read_text(), re.MULTILINE)
+        by = found[0] if found and status else TESTS[0] if status else ""
         with JOURNAL.open("a") as lines:
-            lines.write(json.dumps({"key": key, "mutant": mutant.name, "killed": status != 0, "status": status,
+            lines.write(json.dumps({"key": _key(by), "mutant": mutant.name, "by": by, "status": status,
                                     "cpu": round(cpu, 2)}) + "\n")
         if status == 0 or n % 20 == 0:
             print(f"{n:4} {'survives: ' + str(mutant) if status == 0 else 'run'}", flush=True)

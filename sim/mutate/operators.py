@@ -8,7 +8,7 @@ expression, which is as wide as the wider one.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 from sim.mutate.tree import Node
@@ -28,7 +28,7 @@ STAGES = ("_i", "_d", "_q", "_q2", "_q3", "")
 """Ends of the names of one signal in its pipeline stages."""
 
 
-class Where(Protocol):
+class Surroundings(Protocol):
     """What the operators know of a node's surroundings."""
 
     statement: Node
@@ -37,14 +37,14 @@ class Where(Protocol):
     reset: bool
 
 
-def changes(node: Node, source: bytes, place: Where, signals: frozenset[str]) -> Iterator[tuple[str, str]]:
+def changes(node: Node, source: bytes, place: Surroundings, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Names of operators, each with the text that it puts in place of `node`; an empty text drops a statement.
 
     Args:
         node: any node that is not in a constant's place.
         source: of the file.
         place: of the node.
-        signals: names declared in the module.
+        types: of the module's signals, as they are declared.
     """
     text = node.text(source)
     if node.tag == "kBinaryExpression":
@@ -59,7 +59,7 @@ def changes(node: Node, source: bytes, place: Where, signals: frozenset[str]) ->
     elif node.tag == "kNumber":
         yield from (("constant", other) for other in _numbers(text))
     elif node.tag == "kReference":
-        yield from _reference(node, source, place, signals)
+        yield from _reference(node, source, place, types)
     elif node.tag == "kIfHeader":
         return
     elif node.tag in ASSIGNMENTS and place.body:
@@ -104,16 +104,16 @@ def _numbers(text: str) -> list[str]:
     return [f"{bits}'d{n}" for n in near]
 
 
-def _reference(node: Node, source: bytes, place: Where, signals: frozenset[str]) -> Iterator[tuple[str, str]]:
+def _reference(node: Node, source: bytes, place: Surroundings, types: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Another stage of the same signal; a slice that lacks its top bit, or lies one bit higher."""
     text, name = node.text(source), node.children[0].text(source)
     match = re.fullmatch(r"(.*?)(_i|_d|_q\d?|)", name)
-    if match and name in signals:
+    if match and name in types:
         stem, own = match.groups()
         for end in STAGES:
             other = stem + end
             # A combinational signal is read by registers only: elsewhere a loop could arise.
-            if end != own and other in signals and (end.startswith("_q") or place.clocked):
+            if end != own and types.get(other) == types[name] and (end.startswith("_q") or place.clocked):
                 yield f"{name} to {other}", other + text[len(name):]
     if node.children[-1].tag in ("kDimensionRange", "kDimensionSlice"):
         yield "top bit of a slice dropped", (f"($bits({text}))'({text} & "

@@ -16,7 +16,7 @@ SHORTEST = 30
 
 
 @dataclass(frozen=True)
-class Reason:
+class Explanation:
     """Why a mutant lives: `proof` or `argument`, and the reason in a sentence."""
 
     mutant: str
@@ -24,7 +24,7 @@ class Reason:
     why: str
 
 
-def load(path: Path = FILE) -> dict[str, Reason]:
+def load(path: Path = FILE) -> dict[str, Explanation]:
     """The reasons by mutant.
 
     Raises:
@@ -32,7 +32,7 @@ def load(path: Path = FILE) -> dict[str, Reason]:
     """
     found = {}
     for name, entry in tomllib.loads(path.read_text()).items():
-        reason = Reason(name, str(entry.get("kind", "")), str(entry.get("why", "")).strip())
+        reason = Explanation(name, str(entry.get("kind", "")), str(entry.get("why", "")).strip())
         if reason.kind not in KINDS or len(reason.why) < SHORTEST or "not observed" in reason.why:
             raise SystemExit(f"{path}: {name} needs a kind ({' or '.join(KINDS)}) and a reason in a sentence")
         found[name] = reason

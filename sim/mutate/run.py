@@ -40,7 +40,7 @@ FLAGS = ("-Wno-fatal", "-Wno-lint", "-Wno-style", "-Wno-ENUMVALUE")
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Fate:
     """What one simulation said of one mutant.
 
     Attributes:
@@ -70,7 +70,7 @@ def key_of(call: Call) -> str:
     return digest([json.dumps(dictionary(call), sort_keys=True), str(SEED)], files)[:16]
 
 
-class Journal:
+class KnownFates:
     """Outcomes of a module, one line each, by mutant and digest of the simulation.
 
     Args:
@@ -80,15 +80,15 @@ class Journal:
     def __init__(self, module: str) -> None:
         self.path = FOLDER / "outcomes" / f"{module.replace('/', '-')}.jsonl"
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self.known: dict[tuple[str, str], Outcome] = {}
+        self.known: dict[tuple[str, str], Fate] = {}
         if self.path.exists():
             for text in self.path.read_text().splitlines():
                 with suppress(ValueError, KeyError, TypeError):  # a line that was cut short
                     line = json.loads(text)
-                    outcome = Outcome(**line["outcome"])
+                    outcome = Fate(**line["outcome"])
                     self.known[outcome.mutant, line["key"]] = outcome
 
-    def add(self, key: str, outcome: Outcome) -> None:
+    def add(self, key: str, outcome: Fate) -> None:
         """Keep an outcome."""
         self.known[outcome.mutant, key] = outcome
         with self.path.open("a") as lines:
@@ -96,7 +96,7 @@ class Journal:
 
 
 def run_module(module: str, wanted: Sequence[Mutant], calls: Sequence[Call],
-               tell: Callable[[str], None]) -> dict[str, Outcome]:
+               tell: Callable[[str], None]) -> dict[str, Fate]:
     """The last outcome of each wanted mutant: the one that killed it, or a survival of all simulations.
 
     Args:
@@ -108,7 +108,7 @@ def run_module(module: str, wanted: Sequence[Mutant], calls: Sequence[Call],
     Raises:
         Broken: if a build fails, or the tests fail at mutant 0.
     """
-    journal, listed = Journal(module), plan.listed(module)
+    journal, listed = KnownFates(module), plan.listed(module)
     alive, last = list(wanted), {}
     for call in _fitting(module, calls):
         key = key_of(call)
@@ -143,7 +143,7 @@ def _fitting(module: str, calls: Sequence[Call]) -> list[Call]:
     return fitting
 
 
-def _simulate(module: str, listed: Sequence[Mutant], todo: Sequence[Mutant], call: Call) -> list[Outcome]:
+def _simulate(module: str, listed: Sequence[Mutant], todo: Sequence[Mutant], call: Call) -> list[Fate]:
     """Run mutants on one simulation, after mutant 0."""
     numbers = {mutant.name: n for n, mutant in enumerate(listed, 1)}
     runner = LeanVerilator()
@@ -157,7 +157,7 @@ def _simulate(module: str, listed: Sequence[Mutant], todo: Sequence[Mutant], cal
     missing = [mutant.name for mutant in todo if numbers[mutant.name] not in ends]
     if missing:
         raise Broken(f"{module}: {call.name} ended before {', '.join(missing)}\n{tail(work / 'run.log')}")
-    outcomes = [Outcome(mutant.name, call.name, end.killed, end.how, end.why, end.cpu)
+    outcomes = [Fate(mutant.name, call.name, end.killed, end.how, end.why, end.cpu)
                 for mutant in todo for end in [ends[numbers[mutant.name]]]]
     shutil.rmtree(work)
     return outcomes
@@ -184,7 +184,7 @@ def build_mutants(runner: LeanVerilator, module: str, listed: Sequence[Mutant], 
         raise Broken(f"{module}: {error}") from error
 
 
-def run_numbers(runner: LeanVerilator, folder: Path, work: Path, call: Call, numbers: list[int]) -> dict[int, Outcome]:
+def run_numbers(runner: LeanVerilator, folder: Path, work: Path, call: Call, numbers: list[int]) -> dict[int, Fate]:
     """Run mutants by their numbers in one process that forks.
 
     Args:
@@ -214,7 +214,7 @@ def run_numbers(runner: LeanVerilator, folder: Path, work: Path, call: Call, num
     return ends
 
 
-def _judge(work: Path, number: int, status: int, cpu: float, call: Call) -> Outcome:
+def _judge(work: Path, number: int, status: int, cpu: float, call: Call) -> Fate:
     """What the exit status, the results and the log of a mutant mean."""
     log = work / f"{number}.log"
     text = log.read_text(errors="replace") if log.exists() else ""
@@ -232,4 +232,4 @@ def _judge(work: Path, number: int, status: int, cpu: float, call: Call) -> Outc
         how, why = "test", f"{bad[0].get('name')}: {first[0].strip() if first else 'failed'}"
     elif status or not tests:
         how, why = "crash", f"status {status}: {' '.join(text.splitlines()[-1:])}"
-    return Outcome("", call.name, bool(how), how, why[:300], cpu)
+    return Fate("", call.name, bool(how), how, why[:300], cpu)

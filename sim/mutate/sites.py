@@ -69,8 +69,8 @@ def _short(text: str) -> str:
 
 
 @dataclass
-class Place:
-    """Where a node lies: its nearest statement, and whether that is clocked."""
+class Spot:
+    """Surroundings a node lies: its nearest statement, and whether that is clocked."""
 
     statement: Node
     clocked: bool = False
@@ -90,7 +90,7 @@ class Finder:
         self.source = path.read_bytes()
         self.module = module
         self.tree = parse(path)
-        self.signals = _declared(self.tree, self.source)
+        self.types = _declared(self.tree, self.source)
         self.constant = _constant_functions(self.tree, self.source)
         self.unsynthesised = [match.span() for match in re.finditer(rb"`ifn?def (SYNTHESIS|SLOG_CLOCK_GATE)\b.*?`endif",
                                                                     self.source, re.DOTALL)]
@@ -100,15 +100,15 @@ class Finder:
     def mutants(self) -> list[Mutant]:
         """Every mutant, in the order of the text; none twice."""
         found: dict[tuple[int, int, str], Mutant] = {}
-        for node, place in self._nodes(self.tree, Place(self.tree)):
+        for node, place in self._nodes(self.tree, Spot(self.tree)):
             if any(start <= node.start < end for start, end in self.unsynthesised):
                 continue
-            for operator, changed in operators.changes(node, self.source, place, self.signals):
+            for operator, changed in operators.changes(node, self.source, place, self.types):
                 mutant = self._mutant(node, place, operator, changed)
                 found.setdefault((mutant.start, mutant.end, mutant.changed), mutant)
         return sorted(found.values(), key=lambda mutant: (mutant.start, -mutant.end))
 
-    def _mutant(self, node: Node, place: Place, operator: str, changed: str) -> Mutant:
+    def _mutant(self, node: Node, place: Spot, operator: str, changed: str) -> Mutant:
         statement = " ".join(place.statement.text(self.source).split())
         copy = self.statements.setdefault(place.statement.start, self._copy(statement))
         where = str(node.start - place.statement.start)
@@ -122,24 +122,24 @@ class Finder:
         self.seen[statement,] += 1
         return self.seen[statement,] - 1
 
-    def _nodes(self, node: Node, place: Place) -> Iterator[tuple[Node, Place]]:
+    def _nodes(self, node: Node, place: Spot) -> Iterator[tuple[Node, Spot]]:
         """Nodes that may be changed, with their places."""
         if node.tag in SKIPPED or (node.tag == "kFunctionDeclaration" and self._name(node) in self.constant):
             return
         if node.tag == "kAlwaysStatement":
-            place = Place(node, clocked=node.children[0].tag == "always_ff", body=True)
+            place = Spot(node, clocked=node.children[0].tag == "always_ff", body=True)
         elif node.tag == "kFunctionDeclaration":
-            place = Place(node, body=True)
+            place = Spot(node, body=True)
         elif node.tag == "kRegisterVariable" and not place.body:
             return
         if node.tag in STATEMENTS:
-            place = Place(node, place.clocked, place.body, place.reset)
+            place = Spot(node, place.clocked, place.body, place.reset)
         yield node, place
         for child in self._open(node):
             inner = place
             if node.tag == "kIfClause" and child.tag == "kIfBody":
                 header = " ".join(node.children[0].text(self.source).split())
-                inner = Place(place.statement, place.clocked, place.body,
+                inner = Spot(place.statement, place.clocked, place.body,
                               place.reset or bool(re.fullmatch(r"if \((rst_\w+|\w+_rst\w*)\)", header)))
             yield from self._nodes(child, inner)
 
@@ -178,15 +178,20 @@ def _outside_dimensions(node: Node) -> Iterator[Node]:
             yield from _outside_dimensions(child)
 
 
-def _declared(tree: Node, source: bytes) -> frozenset[str]:
-    """Names of signals and ports."""
-    names = set()
+def _declared(tree: Node, source: bytes) -> dict[str, str]:
+    """Types of signals and ports as they are written, by name."""
+    types: dict[str, str] = {}
     for node in tree.walk():
-        if node.tag == "kRegisterVariable":
-            names.add(node.children[0].text(source))
+        if node.tag == "kInstantiationBase":
+            kind = node.children[0].text(source)
+            for variable in node.walk():
+                if variable.tag == "kRegisterVariable":
+                    size = "".join(n.text(source) for n in variable.children if n.tag == "kUnpackedDimensions")
+                    types[variable.children[0].text(source)] = "".join((kind + size).split())
         elif node.tag == "kPortDeclaration":
-            names |= {child.text(source) for child in node.children if child.tag == "kUnqualifiedId"}
-    return frozenset(names)
+            kind = "".join(n.text(source) for n in node.children if n.tag == "kDataType")
+            types |= {n.text(source): "".join(kind.split()) for n in node.children if n.tag == "kUnqualifiedId"}
+    return types
 
 
 def _constant_functions(tree: Node, source: bytes) -> frozenset[str]:

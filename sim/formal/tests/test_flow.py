@@ -11,7 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from sim.formal.flow import PROPERTIES, chosen, count_checks, reason_of, reset_binding, rules_of, run, sby_text
+from sim.formal.broken import DEFECTS, Defect, broken_sources
+from sim.formal.flow import (
+    PROPERTIES,
+    chosen,
+    count_checks,
+    reason_of,
+    reset_binding,
+    rules_of,
+    run,
+    run_broken,
+    sby_text,
+)
 from sim.formal.proofs import PROOFS, REASONS, Proof
 from sim.formal.table import PAGE, listed_modules, page
 from sim.toolchain import RTL, sources_of
@@ -92,45 +103,40 @@ def test_choice() -> None:
         chosen(["nothing"], quick=False)
 
 
-def changed(tmp_path: Path, old: str, new: str) -> list[Path]:
-    """The queue's source with one change."""
-    text = (RTL / "cells" / "slog_fifo.sv").read_text()
-    assert text.count(old) == 1
-    path = tmp_path / "slog_fifo.sv"
-    path.write_text(text.replace(old, new))
-    return [path]
-
-
 @tools
-def test_broken_queue_fails(tmp_path: Path) -> None:
-    """A queue that loses a word when it is pushed and popped at once is found out."""
-    proof = replace(next(p for p in PROOFS if p.name == "fifo"), name="test_broken_queue")
-    outcome = run(proof, changed(tmp_path, "if (push) mem_q", "if (push && !pop) mem_q"))
-    assert not outcome.passed
-    assert "RulesQueueOrder" in outcome.reason or "RulesFifoWord" in outcome.reason
-
-
-BREAKS = [
-    ("accumulator", "array/slog_accumulator.sv", "extra_q[k]});", "1'b0});", "RulesAccumulator"),
-    ("peak_rows", "peak/slog_peak_rows.sv", "row_q.last <= left_q == 10'd1;", "row_q.last <= left_q == 10'd2;",
-     "RulesPeakRows"),
-]
-"""Proof, file, a place in it, what replaces it, and the beginning of the rule that fails then."""
-
-
-@tools
-@pytest.mark.parametrize(("name", "file", "old", "new", "rule"), BREAKS, ids=[row[0] for row in BREAKS])
-def test_broken_module_fails(tmp_path: Path, name: str, file: str, old: str, new: str, rule: str) -> None:
-    """A proof fails, by the rule that says so, when its module is broken."""
-    proof = replace(next(p for p in PROOFS if p.name == name), name=f"test_broken_{name}")
-    text = (RTL / file).read_text()
-    assert text.count(old) == 1
-    path = tmp_path / Path(file).name
-    path.write_text(text.replace(old, new))
-    sources = sources_of(proof.top, proof.config)
-    outcome = run(proof, [path if source.name == path.name else source for source in sources])
-    assert not outcome.passed
+@pytest.mark.parametrize(("name", "rule"), [("fifo", "Rules"), ("accumulator", "RulesAccumulator"),
+                                            ("peak_rows", "RulesPeakRows")])
+def test_broken_module_fails(name: str, rule: str) -> None:
+    """A proof fails, by the rule that says so, when its module has its defect."""
+    outcome = run_broken(next(proof for proof in PROOFS if proof.name == name))
+    assert outcome.passed, outcome.reason
     assert rule in outcome.reason
+
+
+@tools
+def test_defect_not_found() -> None:
+    """A proof that does not notice its defect fails the check."""
+    blind = replace(next(proof for proof in PROOFS if proof.name == "fifo_odd"), parameters={"Width": 2, "Depth": 4})
+    outcome = run_broken(blind)
+    assert not outcome.passed
+    assert outcome.reason.startswith("NOT FOUND")
+
+
+def test_every_proof_has_a_defect(tmp_path: Path) -> None:
+    """One each, at a place of the present RTL; covers have none."""
+    assert set(DEFECTS) == {proof.name for proof in PROOFS if proof.mode != "cover"}
+    for proof in PROOFS:
+        if proof.mode != "cover":
+            sources = broken_sources(proof, tmp_path)
+            assert sum(path.parent == tmp_path for path in sources) == 1
+            assert [path.name for path in sources] == [path.name for path in sources_of(proof.top, proof.config)]
+
+
+def test_place_of_defect_must_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a change of the RTL the defect's place is asked for in one line."""
+    monkeypatch.setitem(DEFECTS, "fifo", Defect("cells/slog_fifo.sv", "no such place", ""))
+    with pytest.raises(SystemExit, match="defect of the proof fifo: 'no such place' occurs 0 times"):
+        broken_sources(next(proof for proof in PROOFS if proof.name == "fifo"), tmp_path)
 
 
 @tools

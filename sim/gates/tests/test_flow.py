@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from sim.gates import flow
-from sim.gates.flow import Outcome, chosen, command, main, outcome
-from sim.gates.items import ELSEWHERE, ITEMS, Item
+from sim.gates.flow import GateOutcome, chosen, command, main, outcome
+from sim.gates.items import ELSEWHERE, ITEMS, GateItem
 from sim.toolchain import ROOT
 
 TESTS = ROOT / "cocotb_tests"
@@ -30,8 +30,8 @@ def test_every_cocotb_test_has_an_item() -> None:
 
 def test_command() -> None:
     """An item runs the pytest functions it names, or the whole file."""
-    assert command(Item("a", "a/test_a.py"))[-1] == "cocotb_tests/a/test_a.py"
-    assert command(Item("a", "test_a.py", ("test_b", "test_c"), "why"))[-2:] == [
+    assert command(GateItem("a", "a/test_a.py"))[-1] == "cocotb_tests/a/test_a.py"
+    assert command(GateItem("a", "test_a.py", ("test_b", "test_c"), "why"))[-2:] == [
         "cocotb_tests/test_a.py::test_b", "cocotb_tests/test_a.py::test_c"]
 
 
@@ -43,7 +43,7 @@ def _log(tmp_path: Path, cells: int, tests: int) -> str:
 def test_outcome(tmp_path: Path) -> None:
     """Cells and cocotb tests are counted; a failure, a skipped test, and a run without a netlist do not pass."""
     log = _log(tmp_path, 82, 3)
-    assert outcome("a", log, 0, 1.0) == Outcome("a", True, 1, 82, 3, 1.0)
+    assert outcome("a", log, 0, 1.0) == GateOutcome("a", True, 1, 82, 3, 1.0)
     assert not outcome("a", log, 1, 1.0).passed
     assert outcome("a", log + "1 skipped", 0, 1.0).reason == "a test was skipped"
     assert outcome("a", log.replace("gates:", "rtl:"), 0, 1.0).reason == "no netlist was simulated"
@@ -63,7 +63,7 @@ def test_exit_status(passed: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
                      capsys: pytest.CaptureFixture[str]) -> None:
     """The exit status is 1 if an item fails, which the table names."""
     monkeypatch.setattr(flow, "OUT", tmp_path)
-    monkeypatch.setattr(flow, "run", lambda item: Outcome(item.name, passed, 1, 5, 2, 0.1, "" if passed else "why"))
+    monkeypatch.setattr(flow, "run", lambda item: GateOutcome(item.name, passed, 1, 5, 2, 0.1, "" if passed else "why"))
     assert main(["fifo", "peak"]) == (0 if passed else 1)
     text = capsys.readouterr().out
     assert ("2 of 2 items passed, 4 tests" if passed else "failed: fifo, peak") in text

@@ -117,14 +117,14 @@ def test_sample_repeats_with_its_seed() -> None:
     assert sorted(map(len, drawn[0].values())) == [2, plan.EACH, plan.EACH]
 
 
-def _outcome(mutant: Mutant, killed: bool) -> run.Outcome:
-    return run.Outcome(mutant.name, "test", killed, "test" if killed else "", "", 0.1)
+def _outcome(mutant: Mutant, killed: bool) -> run.Fate:
+    return run.Fate(mutant.name, "test", killed, "test" if killed else "", "", 0.1)
 
 
 def test_survivors_need_a_reason(tiny: Path) -> None:
     first, second, third = mutants_of(tiny)[:3]
     outcomes = {m.name: _outcome(m, killed) for m, killed in ((first, True), (second, False), (third, False))}
-    why = {third.name: reasons.Reason(third.name, "argument", "a reason")}
+    why = {third.name: reasons.Explanation(third.name, "argument", "a reason")}
     [fault] = flow.judge({"slog_tiny": [first, second, third]}, outcomes, why)
     assert fault.startswith("survives without a reason") and second.name in fault
     [fault] = flow.judge({"slog_tiny": [first]}, outcomes, {first.name: why[third.name]})

@@ -13,14 +13,15 @@ Results are those of the RTL, bit for bit. Clocks are an estimate of what the RT
 
 from __future__ import annotations
 
-from collections import deque
+import hashlib
+from collections import OrderedDict, deque
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from golden import correlate, log
-from golden.compiled.calls import Packed, choose, unpack
+from golden.compiled.calls import Kernel, Packed, choose, unpack
 from golden.correlate import Job, Result, Status
 from golden.params import FULL, Config
 from golden.tables import (
@@ -38,6 +39,8 @@ from signum.common.arrays import Image
 
 PIPELINE_CLOCKS = 64
 """Clocks from the last pixel of a flushed frame to a valid slot: about the depth of the LoG pipeline."""
+SEEN = 64
+"""Planes of the latest frames that are kept, 40 kB each."""
 REGISTER_VERSION = "1.1"
 """Version of the register block whose board this model computes (`rtl/control/slog_csr.rdl`)."""
 
@@ -71,6 +74,7 @@ class GoldenBoard(Board):
         """What computes: the compiled kernel's variant, or NumPy and why."""
         self._planes: dict[int, Image] = {}
         self._packed: dict[int, Packed] = {}
+        self._seen: OrderedDict[tuple[bytes, tuple[int, ...], float], Packed] = OrderedDict()
         self._results: deque[Result] = deque()
         self._clocks = 0
         self._counts = {key: 0 for camera in range(config.cameras) for key in (f"frames_{camera}", f"drops_{camera}")}
@@ -98,12 +102,23 @@ class GoldenBoard(Board):
     def _capture(self, frames: Sequence[tuple[int, int, Image]]) -> None:
         for camera, slot, frame in frames:
             if self._kernel:
-                self._packed[slot] = self._kernel.sign(frame, self.sigma, self.config.radius)
+                self._packed[slot] = self._signs(self._kernel, frame)
             else:
                 self._planes[slot] = log.sign(frame, self.sigma, self.config.radius)
             self._counts[f"frames_{camera}"] += 1
         width, height = self.image_size
         self._clocks += width * (height + self.config.radius) + PIPELINE_CLOCKS
+
+    def _signs(self, kernel: Kernel, frame: Image) -> Packed:
+        """The packed signs of a frame: a survey shows the same frames again and again."""
+        key = hashlib.sha256(np.ascontiguousarray(frame).data).digest(), frame.shape, self.sigma
+        plane = self._seen.pop(key, None)
+        if plane is None:
+            plane = kernel.sign(frame, self.sigma, self.config.radius)
+        self._seen[key] = plane
+        if len(self._seen) > SEEN:
+            self._seen.popitem(last=False)
+        return plane
 
     def _read_plane(self, slot: int) -> Image:
         return unpack(self._packed[slot], self.image_size[0]) if self._kernel else self._planes[slot].copy()

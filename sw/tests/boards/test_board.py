@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from golden import correlate, log
-from golden.compiled.calls import CHOICE, NUMPY
+from golden.compiled.calls import CHOICE, NUMPY, Kernel, Packed
 from golden.correlate import Job, Status
+from golden.log import Image
 from golden.params import FULL, TINY
 from golden.tables import jobs_table
 from signum.boards.board import BoardError, Identification, run_jobs
-from signum.boards.golden import REGISTER_VERSION, GoldenBoard, job_clocks
+from signum.boards.golden import REGISTER_VERSION, SEEN, GoldenBoard, job_clocks
 
 
 @pytest.fixture(params=["", NUMPY])
@@ -167,3 +168,31 @@ def test_a_slot_of_outstanding_jobs_is_not_captured_into(board: GoldenBoard) -> 
     assert held() == [] and board.outstanding == 0
     board.surface(JOB)
     assert held() == []
+
+
+def test_a_frame_seen_before_is_filtered_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unless sigma or a pixel differs; the planes are those of the filter, also after more frames than are kept."""
+    calls: list[float] = []
+    sign = Kernel.sign
+
+    def counted(kernel: Kernel, image: Image, sigma: float, radius: int) -> Packed:
+        calls.append(sigma)
+        return sign(kernel, image, sigma, radius)
+
+    monkeypatch.setattr(Kernel, "sign", counted)
+    monkeypatch.setenv(CHOICE, "plain")
+    rng = np.random.default_rng(4)
+    frames = [rng.integers(0, 256, (36, 48), dtype=np.uint8) for _ in range(SEEN + 1)]
+    with GoldenBoard(TINY) as board:
+        for sigma, frame, number in ((1.5, frames[0], 1), (1.5, frames[0].copy(), 1), (2.0, frames[0], 2),
+                                     (1.5, frames[0], 2), (1.5, frames[1][::-1, ::-1], 3)):
+            board.configure((48, 36), sigma)
+            board.capture(3, frame)
+            assert len(calls) == number
+            assert np.array_equal(board.read_plane(3), log.sign(frame, sigma, TINY.radius))
+        for frame in frames:
+            board.capture(3, frame)
+        assert len(calls) == 3 + SEEN and np.array_equal(board.read_plane(3), log.sign(frames[-1], 1.5, TINY.radius))
+        board.capture(3, frames[0])
+        assert len(calls) == 4 + SEEN
+        assert board.counters()["frames_0"] == 6 + SEEN + 1

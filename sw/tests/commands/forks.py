@@ -5,7 +5,8 @@ A request is {"arguments": [...], "moment": n or null, "act": what, "limit": byt
 of the run, of Python or of C, `act` happens: "kill" is SIGKILL, "remove" removes the folder after `--out`. A null
 moment lets the run end, and gives the number of calls at every 10 ms of its time, for choosing moments. "limit" is the
 largest size of a file, as on a full disk; "readonly" as `act` obeys file modes even as root. "signals" are sent one
-after the other when the file "grown" has "lines" lines. "film" is what camera 0 shows, a frame every 20 ms.
+after the other when the file "grown" has "lines" lines. "film" is what camera 0 shows from frame "first" on, a
+frame every 20 ms.
 
 The answer is {"status": of the process, "calls": [...], "said": its output, "stopped_s": from the first of the signals
 to the end of the process}.
@@ -96,11 +97,13 @@ def _signal(child: int, request: dict[str, Any]) -> float:
 class _Camera:
     """A camera that shows a film."""
 
-    film = ""
+    film, first = "", 0
     player = cv2.VideoCapture
 
     def __init__(self, index: int) -> None:
         self._film = _Camera.player(_Camera.film)
+        for _ in range(_Camera.first):
+            self._film.read()
 
     def isOpened(self) -> bool:
         return self._film.isOpened()
@@ -117,7 +120,7 @@ def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
     if request.get("limit") is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (request["limit"], request["limit"]))
     if "film" in request:
-        _Camera.film = request["film"]
+        _Camera.film, _Camera.first = request["film"], request["first"]
         cv2.VideoCapture = _Camera  # type: ignore[misc,assignment]
     if request.get("act") == "readonly":
         _obey_modes()
