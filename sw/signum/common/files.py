@@ -7,6 +7,7 @@ write of the same file replaces. The data reach the disk before the name does, s
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -39,6 +40,17 @@ def replacing(path: Path) -> Iterator[Path]:
         half.unlink(missing_ok=True)
         raise
     sync_folder(path.parent)
+
+
+def own_bytes(path: Path) -> bytes:
+    """The bytes of a file of one's own.
+
+    Raises:
+        OSError: if there is none, it cannot be read, or a pipe or device is in its place, whose bytes may never end.
+    """
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "not a file", str(path))
+    return path.read_bytes()
 
 
 def write_bytes(path: Path, data: bytes) -> None:

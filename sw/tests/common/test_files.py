@@ -12,8 +12,9 @@ import cv2
 import numpy as np
 import pytest
 
+from signum.applications.mosaic.shelf import read_record
 from signum.common.errors import SignumError
-from signum.common.files import write_picture
+from signum.common.files import own_bytes, write_picture
 from signum.report.movie import Movie
 
 NOISE = np.random.default_rng(1).integers(0, 256, (120, 160), dtype=np.uint8)
@@ -81,3 +82,13 @@ def test_an_unknown_format_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"cannot be made a \.xyz file"):
         write_picture(tmp_path / "a.xyz", NOISE)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("target", ["/dev/zero", "/"])
+def test_what_is_no_file_is_not_read(tmp_path: Path, target: str) -> None:
+    """A device has no end: a survey whose record or picture it replaces takes it for damaged."""
+    path = tmp_path / "run.json"
+    path.symlink_to(target)
+    with pytest.raises(OSError, match="not a file"):
+        own_bytes(path)
+    assert read_record(tmp_path) is None

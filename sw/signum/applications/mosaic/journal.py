@@ -24,6 +24,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Registration
 
@@ -104,7 +105,7 @@ class Journal:
     def read(self) -> None:
         """Take in what the file holds, if there is one; a last line without its end is no damage."""
         try:
-            data = self.path.read_bytes()
+            data = own_bytes(self.path)
         except (FileNotFoundError, NotADirectoryError):
             return
         lines = data.split(b"\n")

@@ -16,7 +16,7 @@ from signum.applications.mosaic.graph import Solution, solve_graph
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
-from signum.common.files import write_bytes
+from signum.common.files import own_bytes, write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Registrar, Registration
 from signum.tables.cells import neutral_row
@@ -95,7 +95,7 @@ class Ledger:
         path = self.out / EDGES_FILE
         rows = [_line(SURVEY_EDGES), *(_line(edge.row) for edge in self.edges)]
         try:
-            before = path.read_bytes()
+            before = own_bytes(path)
         except OSError:
             before = b""
         whole = before[: before.rfind(b"\n") + 1]

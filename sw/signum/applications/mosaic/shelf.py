@@ -21,7 +21,7 @@ from pathlib import Path
 from signum.applications.mosaic.journal import Journal, SurveyRun, key_of
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.common.files import decode_png, png, write_bytes, write_text
+from signum.common.files import decode_png, own_bytes, png, write_bytes, write_text
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Prepared, Registrar, Registration
 
@@ -163,7 +163,7 @@ class Shelf:
     def _bytes(self, number: int, crc: int | None) -> bytes | None:
         """The file of a stored frame; None if it is missing or damaged."""
         try:
-            data = self._path(number).read_bytes()
+            data = own_bytes(self._path(number))
         except OSError:
             return None
         return data if crc == zlib.crc32(data) else None
@@ -222,7 +222,7 @@ def read_record(folder: Path) -> tuple[SurveyRun, bool, list[str]] | None:
     """The run in `run.json`, whether it was finished, and the files made of it; None if there is none that can be
     read."""
     try:
-        values = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        values = json.loads(own_bytes(folder / RECORD).decode())
         run = SurveyRun.read(values)
         made = [name for name in values["made"] if isinstance(name, str) and name == Path(name).name]
         return run, bool(values["finished"]), made
