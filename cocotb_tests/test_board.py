@@ -94,6 +94,18 @@ def _jobs_during_captures(h: Host, planes: dict[int, Plane], jobs: list[Job], fr
     assert np.array_equal((yield from h.plane(2)), planes[2])
 
 
+def _busy_until_the_result(h: Host) -> Script:
+    """The status of a single job and of a grid, read all the time from their submission until after their end."""
+    for count in ((1, 1), (3, 2)):
+        yield from h.submit(Job(0, 1, 1, 6, 5, 1, 2, 2, 4, 3, tag=90), count, (2, 1))
+        seen = set()
+        for _ in range(40 * count[0]):
+            seen.add((yield from h.read("job.status.busy")))
+        yield from h.collect(count[0] * count[1])
+        assert seen == {0, 1}
+    h.results.clear()
+
+
 def _everyday(h: Host) -> Script:
     """Captures on both cameras, good and refused jobs, captures during work."""
     planes: dict[int, Plane] = {}
@@ -109,6 +121,7 @@ def _everyday(h: Host) -> Script:
     assert (yield from h.read("counter.frames[1].value")) == 3
     scores = sum(j.offsets_x * j.offsets_y for j in jobs if run(j, planes, TINY, SIZE).status is Status.OK)
     assert (yield from h.read("counter.scores.value")) == scores
+    yield from _busy_until_the_result(h)
 
 
 def _full_queues(h: Host) -> Script:

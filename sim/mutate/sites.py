@@ -24,6 +24,8 @@ SKIPPED = frozenset({
     "kPackageImportDeclaration", "kPackageImportList", "kFunctionHeader", "kEventControl", "kLPValue", "kSystemTFCall",
     "kLocalRoot", "kDimensionRange", "kInitialStatement", "kInstantiationType"})
 """Parts of a tree in which nothing is changed."""
+CLOCK_GATE = b"slog_clock_gate "
+"""Its enable acts in the fast simulation build only; elsewhere it is a wire, so what drives it is no circuit."""
 STATEMENTS = frozenset({"kNonblockingAssignmentStatement", "kNetVariableAssignment", "kAssignModifyStatement",
                         "kIfHeader", "kCaseStatement", "kActualNamedPort", "kJumpStatement", "kTrailingAssign"})
 """What names a mutant: the nearest of these around it."""
@@ -125,6 +127,8 @@ class Finder:
     def _nodes(self, node: Node, place: Spot) -> Iterator[tuple[Node, Spot]]:
         """Nodes that may be changed, with their places."""
         if node.tag in SKIPPED or (node.tag == "kFunctionDeclaration" and self._name(node) in self.constant):
+            return
+        if node.tag == "kDataDeclaration" and self.source.startswith(CLOCK_GATE, node.start):
             return
         if node.tag == "kAlwaysStatement":
             place = Spot(node, clocked=node.children[0].tag == "always_ff", body=True)
