@@ -15,7 +15,9 @@ from signum.common.arrays import Image
 from signum.common.checks import check_pixels
 from signum.common.errors import SourceError
 
-av.logging.set_level(av.logging.PANIC)  # what is wrong is said in one line
+# No callback of PyAV's: it takes the interpreter's lock in the decoder's threads, and closing a video waits for these
+# with the lock held. What is wrong is said in one line of our own.
+av.logging.set_level(None)
 CODECS = {"h264": "h264", "avc": "h264", "h265": "hevc", "hevc": "hevc", "vp8": "vp8", "vp9": "vp9", "av1": "av1",
           "mjpeg": "mjpeg", "jpeg": "mjpeg"}
 """Names of codecs in messages, and FFmpeg's."""

@@ -46,6 +46,11 @@ def test_video_frames_are_numbered_from_zero(tmp_path: Path) -> None:
     assert [f.name for f in source] == [str(i) for i in range(12)], "a source can be read again"
 
 
+def test_a_decoders_threads_never_wait_for_the_interpreter() -> None:
+    """With a level set, a message of a decoder's thread would wait for ever while the video is being closed."""
+    assert av.logging.get_level() is None
+
+
 def test_a_video_of_unknown_codec_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "odd.avi"
     path.write_bytes(_video(path, 3).read_bytes().replace(b"MJPG", b"zz99"))
