@@ -17,6 +17,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from signum.boards.board import BoardError
+from signum.commands import signals
 from signum.commands.options import MegapixelsOption
 from signum.commands.outputs import check_inputs
 from signum.common.checks import MEGAPIXELS, megapixels, option
@@ -150,7 +151,8 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
             _fail(f"{os.fsdecode(name) if isinstance(name, bytes) else name}: {_reason(error)}; mend that, or choose "
                   "another --out")
         except KeyboardInterrupt:
-            notes.print("signum: stopped; what was finished is kept")
+            with signals.telling():
+                notes.print("signum: stopped; what was finished is kept")
             raise typer.Exit(130) from None
         except typer.Exit:
             raise

@@ -29,6 +29,8 @@ class _Stop:
     def __init__(self) -> None:
         self.seen = self.asked = False
         self.shielded = 0
+        self.told = False
+        self.telling = threading.Lock()
 
 
 _stop = _Stop()
@@ -62,6 +64,14 @@ def shielded() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
+@contextmanager
+def telling() -> Iterator[None]:
+    """The user is told inside that the command has stopped; a second signal does not tell it again."""
+    with _stop.telling:
+        yield
+        _stop.told = True
+
+
 def _handle(number: int, frame: FrameType | None) -> None:
     if _stop.seen:  # the thread ends the process
         return
@@ -86,6 +96,7 @@ def _watch(reader: int) -> None:
 def _end() -> None:
     """End the process at once."""
     try:
-        os.write(2, (SHOW_CURSOR if sys.stderr.isatty() else b"") + GOODBYE)
+        _stop.telling.acquire(timeout=0.2)
+        os.write(2, (SHOW_CURSOR if sys.stderr.isatty() else b"") + (b"" if _stop.told else GOODBYE))
     finally:
         os._exit(STATUS)

@@ -5,8 +5,8 @@ A request is {"arguments": [...], "moment": n or null, "act": what, "limit": byt
 of the run, of Python or of C, `act` happens: "kill" is SIGKILL, "remove" removes the folder after `--out`. A null
 moment lets the run end, and gives the number of calls at every 10 ms of its time, for choosing moments. "limit" is the
 largest size of a file, as on a full disk; "readonly" as `act` obeys file modes even as root. "signals" are sent one
-after the other when the file "grown" has "lines" lines. "film" is what camera 0 shows from frame "first" on, a
-frame every 20 ms.
+after the other when the file "grown" has "lines" lines, while frames come one every 50 ms. "film" is what camera 0
+shows from frame "first" on, a frame every 20 ms more.
 
 The answer is {"status": of the process, "calls": [...], "said": its output, "stopped_s": from the first of the signals
 to the end of the process}.
@@ -26,6 +26,7 @@ import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -34,9 +35,12 @@ import typer
 
 from signum.commands import signals
 from signum.commands.cli import application
+from signum.frames.frame import Frame, Source
 from signum.report import folder as _report  # noqa: F401  # loaded before the forks, as all others are
 
 EVERY_S = 0.01
+PACE_S = 0.05
+"""Between frames of a run that is signalled: however fast the machine, frames are still to come then."""
 
 
 def main() -> None:
@@ -124,6 +128,8 @@ def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
         cv2.VideoCapture = _Camera  # type: ignore[misc,assignment]
     if request.get("act") == "readonly":
         _obey_modes()
+    if "signals" in request:
+        _pace()
     signals.listen()
     moment, act, arguments = request.get("moment"), request.get("act"), request["arguments"]
     count, marks, next_mark = 0, [], time.process_time()
@@ -153,6 +159,18 @@ def _run(app: Any, request: dict[str, Any], calls: Any) -> int:
         calls.write(json.dumps(marks).encode())
         calls.flush()
     return status
+
+
+def _pace() -> None:
+    """Let every source wait between its frames."""
+    frames = Source.__iter__
+
+    def paced(self: Source) -> Iterator[Frame]:
+        for frame in frames(self):
+            yield frame
+            time.sleep(PACE_S)
+
+    Source.__iter__ = paced  # type: ignore[method-assign]
 
 
 def _obey_modes() -> None:
