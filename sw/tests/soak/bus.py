@@ -93,6 +93,8 @@ def _abuse(device: Device, o: Operation, met: Counter[str]) -> None:
     """Accesses, perhaps while frames arrive; what stored registers answer is known if the accesses do not overlap."""
     rng = random.Random(o["seed"])
     accesses = _drawn(rng, o, met)
+    if o["do"] == "any":  # what a stored access left there may be a grid of hours, which any access may start
+        device.write_word(address("job.grid"), 0x00010001)
     if o["frame"]:
         device.play(texture(device.size, o["seed"]), rng.randrange(2), 0.2)
     held = {address(register): device.read_word(address(register)) for register in STORED}
