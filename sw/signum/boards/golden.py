@@ -34,7 +34,7 @@ from golden.tables import (
     table_jobs,
     table_results,
 )
-from signum.boards.board import Board, Identification, Surface
+from signum.boards.board import Board, BoardError, Identification, Surface
 from signum.common.arrays import Image
 
 PIPELINE_CLOCKS = 64
@@ -63,14 +63,19 @@ class GoldenBoard(Board):
     bits are the same. `config` is the build whose results it gives.
 
     Raises:
-        ValueError: if the environment's `SIGNUM_KERNEL` asks for a kernel that there is not.
+        BoardError: if the environment's `SIGNUM_KERNEL` asks for a kernel that there is not.
     """
 
     name = "golden"
 
     def __init__(self, config: Config = FULL) -> None:
         super().__init__(config)
-        self._kernel, self.arithmetic = choose()
+        try:
+            kernel, arithmetic = choose()
+        except ValueError as error:
+            raise BoardError(str(error)) from error
+        self._kernel = kernel
+        self.arithmetic = arithmetic
         """What computes: the compiled kernel's variant, or NumPy and why."""
         self._planes: dict[int, Image] = {}
         self._packed: dict[int, Packed] = {}

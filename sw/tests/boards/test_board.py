@@ -196,3 +196,9 @@ def test_a_frame_seen_before_is_filtered_once(monkeypatch: pytest.MonkeyPatch) -
         board.capture(3, frames[0])
         assert len(calls) == 4 + SEEN
         assert board.counters()["frames_0"] == 6 + SEEN + 1
+
+
+def test_a_kernel_that_there_is_not_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(CHOICE, "mmx")
+    with pytest.raises(BoardError, match="SIGNUM_KERNEL is mmx: this processor has numpy"):
+        GoldenBoard(TINY)
