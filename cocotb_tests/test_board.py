@@ -95,8 +95,8 @@ def _jobs_during_captures(h: Host, planes: dict[int, Plane], jobs: list[Job], fr
 
 
 def _busy_until_the_result(h: Host) -> Script:
-    """The status of a single job and of a grid, read all the time from their submission on, and once after their results.
-    The single one may have ended before a slow bus answers."""
+    """The status of a single job and of a grid, read all the time from their submission on, and once after their
+    results. The single one may have ended before a slow bus answers."""
     for count in ((1, 1), (4, 3)):
         yield from h.submit(Job(0, 1, 1, 6, 5, 1, 2, 2, 4, 3, tag=90), count, (2, 1))
         seen = []
