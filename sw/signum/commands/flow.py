@@ -57,7 +57,7 @@ def flow(
                 field = _measure(measurer, last[1], live, board.window, step, reach, guess)
                 guess = field.dominant()
                 measurer.release(last[1])
-                table.write_all(flow_rows(last[0].name, frame.name, field, fit))
+                table.write_all(flow_rows(last[0], frame, field, fit))
                 shown = draw_flow(fit.show(last[0].picture), field)
                 movie.write(shown)
                 if run.done % pictures == 1 % pictures:

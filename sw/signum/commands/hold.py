@@ -31,6 +31,7 @@ from signum.commands.options import (
 from signum.commands.session import Session
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
+from signum.frames.clock import FRAME_RATE
 from signum.geometry.calibration import read_mono
 from signum.report.page import write_page
 from signum.world.vehicle import Current
@@ -39,8 +40,6 @@ from signum.world.water import PAPER
 BOARD_DEFAULTS = BoardOptions()
 GUESS_M = 2.0
 """Range of a source where none is given, metres."""
-FRAME_RATE = 10.0
-"""Frames per second of a source where none are known."""
 VIEW = 400 / 384
 """Focal length per picture width where none is given: about 51 degrees across, a common lens under water."""
 BLIND_S = 3.0

@@ -54,8 +54,8 @@ def track(
         for frame in run.steps("tracking", run.frames(), run.source.count):
             points = _shown(tracker.step(fit.show(frame.picture)), missing)
             for point in points:
-                table.write(track_row(frame.name, point, fit))
-            drift.write(drift_row(frame.name, points, fit))
+                table.write(track_row(frame, point, fit))
+            drift.write(drift_row(frame, points, fit))
             measured, valid = measured + len(points), valid + sum(p.valid for p in points)
             run.report = run.report_folder
             run.tell(f"{sum(p.valid for p in points)} of {len(points)} valid")
