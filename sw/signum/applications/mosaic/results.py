@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
-from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
+from signum.applications.mosaic.georeference import Georeference, ground_lines
+from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Image
@@ -36,12 +37,16 @@ class Results:
 
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
+        cog: whether these are Cloud Optimized GeoTIFFs.
+        grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
     """
 
     def __init__(self, ledger: Ledger) -> None:
         self._ledger = ledger
         self.ground: Grounding | None = None
+        self.cog = False
+        self.grounded: list[str] = []
         self.trouble = ""
         self._thumbs: dict[str, Image] = {}
 
@@ -76,7 +81,7 @@ class Results:
     def write_all(self) -> None:
         """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
-        self.trouble = ""
+        self.trouble, self.grounded = "", []
         blended, grounded = set(), set()
         for number, piece in enumerate(self._ledger.ranked(), 1):
             if number == 1 or len(piece.stored) > 1:
@@ -108,7 +113,8 @@ class Results:
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
             write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
-            write_geotiff(make(f"mosaic{ending}.tif"), mosaic, geo)
+            write_geotiff(path := make(f"mosaic{ending}.tif"), mosaic, geo, self.cog)
+            self.grounded += ground_lines(str(path), mosaic, geo)
         return geo is not None
 
 
