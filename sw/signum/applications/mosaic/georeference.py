@@ -22,6 +22,8 @@ from signum.geometry.similarity import Similarity
 
 OUTLIER = 3.0
 """Factor of the usual distance beyond which a fix is left out."""
+NEAR_PX = 1.0
+"""A fix that is off by up to this, pixels, is never left out."""
 PAIRED = 40
 """Most fixes of which all pairs are tried."""
 REDUNDANT = 4
@@ -122,7 +124,7 @@ def _fit(z: Complexes, w: Complexes) -> tuple[Similarity, Floats, np.ndarray[tup
     onto = _least_median(z, w)
     for _ in range(10):
         off = np.abs(onto.factor * z + onto.shift - w)
-        good = off <= OUTLIER * max(1.4826 * float(np.median(off)), 1e-9)
+        good = off <= max(OUTLIER * 1.4826 * float(np.median(off)), NEAR_PX * onto.scale)
         better = align(z[good], w[good])
         if better == onto:
             break
