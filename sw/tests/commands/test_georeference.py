@@ -5,6 +5,7 @@ log that would lead to a wrong place ends the command with one line and status 1
 
 import csv
 import shutil
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from PIL import Image as PilImage
 from typer.testing import CliRunner, Result
 
 from signum.commands.cli import application
+from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.files import write_picture
 from signum.geometry.earth import project
@@ -53,6 +55,14 @@ def _mosaic(*arguments: str | Path) -> Result:
 def _log(path: Path, head: str, rows: list[str]) -> Path:
     path.write_text("\n".join([head, *rows]) + "\n")
     return path
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_page() -> Iterator[None]:
+    """The page, of which there is nothing to see here, would take three quarters of the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Session, "report_folder", lambda run: None)
+        yield
 
 
 @pytest.fixture(scope="module")
