@@ -25,6 +25,8 @@ SHORTEST_GAP_S = 1.0
 """Fixes up to this far apart, seconds, always are."""
 SLACK_S = 1e-3
 """Times nearer than this are the same, seconds."""
+LONGEST_NUMBER = 19
+"""Digits from which on a name is no number."""
 NAMED = 6
 """Most frames named in a message."""
 
@@ -52,14 +54,12 @@ class Track:
 
         A name that the log does not have is looked for as a number, so 7 is frame 007, unless two have that number.
         """
-        numbers = Counter(int(name) for name in self.positions if name.isdecimal())
-        by_number = {int(name): name for name in self.positions if name.isdecimal() and numbers[int(name)] == 1}
-        names: dict[str, str] = {}
-        for pose in poses:
-            if pose.frame in self.positions:
-                names[pose.frame] = pose.frame
-            elif pose.frame.isdecimal() and int(pose.frame) in by_number:
-                names[pose.frame] = by_number[int(pose.frame)]
+        numbers = {name: number for name in self.positions if (number := _number(name)) is not None}
+        times = Counter(numbers.values())
+        by_number: dict[int | None, str] = {n: name for name, n in numbers.items() if times[n] == 1}
+        found = {pose.frame: pose.frame if pose.frame in self.positions else by_number.get(_number(pose.frame))
+                 for pose in poses}
+        names = {frame: name for frame, name in found.items() if name is not None}
         return replace(self, positions={frame: self.positions[name] for frame, name in names.items()},
                        headings={frame: self.headings[name] for frame, name in names.items() if name in self.headings})
 
@@ -118,6 +118,11 @@ class TimedTrack:
                      self.accuracy_m)
 
 
+def _number(name: str) -> int | None:
+    """A frame's name as a number, if it is one."""
+    return int(name) if name.isdecimal() and len(name) < LONGEST_NUMBER else None
+
+
 def listed(names: Sequence[str]) -> str:
     """Names for a message, the first few."""
     return ", ".join(names[:NAMED]) + (", ..." if len(names) > NAMED else "")
@@ -141,10 +146,10 @@ def read_moment(text: str, label: str) -> float:
     except ValueError:
         try:
             moment = datetime.fromisoformat(text)
-        except ValueError:
+            return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+        except (ValueError, OverflowError):
             raise SignumError(f"{label} is {text!r}; expected seconds, or a date and time such as "
                               "2026-03-01T10:00:00Z") from None
-        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     if not abs(value) < 1e11:
         raise SignumError(f"{label} is {value:g}; expected seconds, or a date and time such as 2026-03-01T10:00:00Z")
     return value

@@ -218,3 +218,10 @@ def test_three_fixes_are_all_kept() -> None:
     track.positions["003"] += 500
     with pytest.raises(SignumError, match="is not the mosaic's"):
         ground_by_log(POSES, track)
+
+
+def test_names_that_are_too_long_for_numbers(tmp_path: Path) -> None:
+    path = _log(tmp_path / "n.csv", "frame,x,y", ["9" * 5000 + ",0,0", "2,1,1"])
+    assert set(read_track(path).of(POSES).positions) == {"002"}
+    with pytest.raises(SignumError, match="expected seconds, or a date"):
+        _timed(tmp_path / "n.csv", ["0001-01-01T00:00:00+14:00x", 2], [0j, 1j])
