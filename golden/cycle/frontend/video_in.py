@@ -41,8 +41,8 @@ class _Tick:
     out: bool = False
     bottom: int | None = None
     dist: int | None = None
-    """The border's side and distance, for the whole line, also if its frame is dropped meanwhile; None without an output
-    row."""
+    """Side and distance of the border for the whole line, also if its frame is dropped meanwhile; None without an
+    output row."""
     col: int = 0
 
 
