@@ -107,7 +107,8 @@ class Results:
             try:
                 geo = self.ground(ledger.poses(piece), ledger.centre)
             except SignumError as error:
-                self.trouble = self.trouble or str(error)
+                of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
+                self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
         mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
         make = ledger.shelf.make
