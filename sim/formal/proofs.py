@@ -47,6 +47,9 @@ class Proof:
     removed: tuple[str, ...] = ()
 
 
+CONTROL_PARTS = ("slog_filter_bank", "slog_peek", "slog_counters")
+BOARD_PARTS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_correlator")
+
 PROOFS: tuple[Proof, ...] = (
     Proof("fifo", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",)),
     Proof("fifo_odd", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 3}, rules=("fifo",)),
@@ -141,6 +144,29 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogPeakIntakeArea", "SlogPeakIntakeRowStays")),
     Proof("peak_intake_covers", "slog_peak_intake", "cover", 16, {"ScoreBits": 9}, rules=("peak_intake",),
           assumed=("SlogPeakIntakeArea", "SlogPeakIntakeRowStays"), quick=False),
+    Proof("capture_slots", "slog_capture", "bmc", 28, {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
+          rules=("capture_slots",),
+          assumed=("*SlogCaptureRoom", "*SlogCaptureNoEarlyWord"), quick=False),
+    Proof("capture_slots_covers", "slog_capture", "cover", 34, {"GroupBits": 2, "Slots": 2, "SlotWords": 4,
+          "WordsPerRow": 2}, rules=("capture_slots",),
+          assumed=("*SlogCaptureRoom", "*SlogCaptureNoEarlyWord"), quick=False),
+    Proof("fetch", "slog_fetch", "bmc", 40, {"Width": 4, "MaxHeight": 8, "WordsPerRow": 2, "Slots": 2, "MinWindow": 1,
+          "MaxWindow": 4, "RingRows": 4}, rules=("fetch",), blackboxes=("slog_job_check", "slog_job_plan"), quick=False),
+    Proof("fetch_covers", "slog_fetch", "cover", 60, {"Width": 4, "MaxHeight": 8, "WordsPerRow": 2, "Slots": 2,
+          "MinWindow": 1, "MaxWindow": 4, "RingRows": 4}, rules=("fetch",),
+          blackboxes=("slog_job_check", "slog_job_plan"), quick=False),
+    Proof("operands", "slog_operands", "bmc", 20, {"GroupBits": 4, "Lanes": 3, "RingRows": 4, "WordsPerRow": 8},
+          rules=("operands",), assumed=("SlogOperandsStep", "SlogOperandsWrite"), quick=False),
+    Proof("operands_covers", "slog_operands", "cover", 24, {"GroupBits": 4, "Lanes": 3, "RingRows": 4,
+          "WordsPerRow": 8}, rules=("operands",), assumed=("SlogOperandsStep", "SlogOperandsWrite"), quick=False),
+    Proof("peak", "slog_peak", "bmc", 60, {"ScoreBits": 2, "MaxOffsets": 2, "ScoreDepth": 4, "ResultDepth": 2},
+          rules=("peak",), quick=False),
+    Proof("control", "slog_control", "prove", 16, rules=("control",), blackboxes=CONTROL_PARTS),
+    Proof("control_covers", "slog_control", "cover", 32, rules=("control",), blackboxes=CONTROL_PARTS, quick=False),
+    Proof("board_busy", "slog_board", "prove", 14, rules=("fifo", "ram_fifo", "board"), blackboxes=BOARD_PARTS,
+          removed=("SlogBoardOneFrame",)),
+    Proof("board_busy_covers", "slog_board", "cover", 24, rules=("fifo", "ram_fifo", "board"), blackboxes=BOARD_PARTS,
+          removed=("SlogBoardOneFrame",), quick=False),
     Proof("reset", "slog_reset", "bmc", 10, rules=("board_reset",), reset=0),
     Proof("reset_covers", "slog_reset", "cover", 20, rules=("board_reset",), reset=0),
     Proof("capture_channel", "slog_capture_channel", "prove", 6,
