@@ -50,6 +50,8 @@ class Proof:
 CONTROL_PARTS = ("slog_filter_bank", "slog_peek", "slog_counters")
 BOARD_PARTS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_correlator")
 
+OPERANDS_USER = ("SlogOperandsStep", "SlogOperandsWrite", "SlogOperandsTplReuse", "*SlogSearchRingSameClock")
+
 PROOFS: tuple[Proof, ...] = (
     Proof("fifo", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",)),
     Proof("fifo_odd", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 3}, rules=("fifo",)),
@@ -77,7 +79,9 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogJobPlanStable", "SlogJobPlanOneAtATime")),
     Proof("grid", "slog_grid", "prove", 3, rules=("grid",), assumed=("SlogGridReadyStays",)),
     Proof("grid_covers", "slog_grid", "cover", 20, rules=("grid",), assumed=("SlogGridReadyStays",), quick=False),
-    Proof("packer", "slog_packer", "bmc", 18, {"GroupBits": 4}, rules=("packer",), assumed=("SlogPackerAbortAlone",)),
+    Proof("packer", "slog_packer", "prove", 10, {"GroupBits": 4}, rules=("packer",), assumed=("SlogPackerAbortAlone",)),
+    Proof("packer_slices", "slog_packer", "prove", 10, {"GroupBits": 32}, rules=("packer",),
+          assumed=("SlogPackerAbortAlone",)),
     Proof("packer_covers", "slog_packer", "cover", 18, {"GroupBits": 4}, rules=("packer",),
           assumed=("SlogPackerAbortAlone",)),
     Proof("axil", "slog_axil", "bmc", 16, {"AddrW": 5}, rules=("axil",)),
@@ -155,11 +159,11 @@ PROOFS: tuple[Proof, ...] = (
     Proof("fetch_covers", "slog_fetch", "cover", 60, {"Width": 4, "MaxHeight": 8, "WordsPerRow": 2, "Slots": 2,
           "MinWindow": 1, "MaxWindow": 4, "RingRows": 4}, rules=("fetch",),
           blackboxes=("slog_job_check", "slog_job_plan"), quick=False),
-    Proof("operands", "slog_operands", "bmc", 20, {"GroupBits": 4, "Lanes": 3, "RingRows": 4, "WordsPerRow": 8},
-          rules=("operands",), assumed=("SlogOperandsStep", "SlogOperandsWrite"), quick=False),
+    Proof("operands", "slog_operands", "bmc", 18, {"GroupBits": 4, "Lanes": 3, "RingRows": 4, "WordsPerRow": 8},
+          rules=("operands",), assumed=OPERANDS_USER, quick=False),
     Proof("operands_covers", "slog_operands", "cover", 24, {"GroupBits": 4, "Lanes": 3, "RingRows": 4,
-          "WordsPerRow": 8}, rules=("operands",), assumed=("SlogOperandsStep", "SlogOperandsWrite"), quick=False),
-    Proof("peak", "slog_peak", "bmc", 60, {"ScoreBits": 2, "MaxOffsets": 2, "ScoreDepth": 4, "ResultDepth": 2},
+          "WordsPerRow": 8}, rules=("operands",), assumed=OPERANDS_USER, quick=False),
+    Proof("peak", "slog_peak", "bmc", 60, {"ScoreBits": 2, "MaxOffsets": 3, "ScoreDepth": 4, "ResultDepth": 2},
           rules=("peak",), quick=False),
     Proof("control", "slog_control", "prove", 16, rules=("control",), blackboxes=CONTROL_PARTS),
     Proof("control_covers", "slog_control", "cover", 32, rules=("control",), blackboxes=CONTROL_PARTS, quick=False),
