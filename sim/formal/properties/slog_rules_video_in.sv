@@ -1,20 +1,172 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assumption of slog_video_in's proof: the image size is constant, as slog_filter_bank keeps it while a frame is under way.
+// slog_video_in's receiver against its header: which lines are good, which frames are dropped, how often that is counted;
+// and what is issued: whole lines, each good one six clocks after its last pixel, with that line's pixels.
+//
+// One column is watched. The image size is any, and constant, as slog_filter_bank keeps it while a frame is under way.
 module slog_rules_video_in #(
     parameter int unsigned MaxWidth = 8,
-    parameter int unsigned Radius   = 2
+    parameter int unsigned Radius   = 2,
+    parameter int unsigned ColW     = 3,
+    parameter int unsigned AddrW    = 4
 ) (
-    input logic       clk_i,
-    input logic [9:0] width_i,
-    input logic [9:0] height_i,
-    input logic       px_valid_o,
-    input logic       dropped_o
+    input logic             clk_i,
+    input logic             rst_i,
+    input logic [7:0]       tdata_i,
+    input logic             tvalid_i,
+    input logic             tready_o,
+    input logic             tuser_i,
+    input logic             tlast_i,
+    input logic [9:0]       width_i,
+    input logic [9:0]       height_i,
+    input logic             abort_i,
+    input logic             px_valid_o,
+    input logic [7:0]       px_data_o,
+    input logic [ColW-1:0]  px_col_o,
+    input logic             px_first_o,
+    input logic             px_last_o,
+    input logic             dropped_o,
+    input logic             active_q,
+    input logic             closed_q,
+    input logic             stop_q,
+    input logic             at_end_q,
+    input logic             wr_en_q,
+    input logic             event_start_q,
+    input logic             event_last_q,
+    input logic             event_commit_q,
+    input logic             event_kill_q,
+    input logic             drop_owed_q,
+    input logic [9:0]       left_q,
+    input logic [9:0]       wr_row_q,
+    input logic             line_q,
+    input logic             started_q,
+    input logic             first_row_q,
+    input logic             mid_frame_q,
+    input logic [9:0]       rd_row_q,
+    input logic             out_active_q,
+    input logic             out_current_q,
+    input logic             rd_current_q,
+    input logic [9:0]       out_left_q,
+    input logic             rd_active_q,
+    input logic [9:0]       rd_col_q,
+    input logic             reading_q
 );
+  logic [9:0] width, height;
+  slog_rules_choice #(.Width(20)) u_choice (.clk_i, .choice({width, height}));
+
+  // Receiver: in a frame; between frames; pixels of the line so far; lines complete.
+  logic in_q, closed, beat, end_of_line, good, cut, bad_start;
+  logic [9:0] x_q, y_q;
+  logic [1:0] settled_q;     // clocks since power-up: the sizes are registered
+  logic [1:0] drops_q, owed_q;  // frames dropped in the clock before; dropped earlier and not counted yet
+  logic counted_q;
+  logic [1:0] drops;
+  assign beat        = tvalid_i && tready_o;
+  assign end_of_line = x_q == width - 1'b1;
+  assign good        = beat && in_q && !tuser_i && tlast_i && end_of_line;
+  // Dropped: the frame that is cut, aborted or has a bad line, or stray pixels after one; and a start with tlast.
+  assign cut         = stop_q ? in_q : beat && (in_q ? tuser_i || tlast_i != end_of_line : closed && !tuser_i);
+  assign bad_start   = beat && tuser_i && tlast_i;
+  assign drops       = 2'(cut) + 2'(bad_start);
   always_ff @(posedge clk_i) begin
-    AssumeSize : assume (32'(width_i) == MaxWidth && 32'(height_i) == 2 * Radius + 2);
-    CoverPixel : cover (px_valid_o);
-    CoverDropped : cover (dropped_o);
+    settled_q <= (settled_q == '1) ? settled_q : settled_q + 1'b1;
+    if (rst_i) begin
+      in_q      <= 1'b0;
+      closed    <= 1'b1;
+      drops_q   <= '0;
+      owed_q    <= '0;
+      counted_q <= 1'b0;
+    end else begin
+      drops_q   <= drops;
+      owed_q    <= (drops_q + owed_q == '0) ? '0 : drops_q + owed_q - 1'b1;
+      counted_q <= drops_q + owed_q != '0;
+      if (cut) in_q <= 1'b0;
+      if (cut || beat) closed <= 1'b0;
+      if (beat && tuser_i) begin
+        in_q <= !tlast_i;
+        x_q  <= 10'd1;
+        y_q  <= '0;
+      end else if (good) begin
+        x_q <= '0;
+        y_q <= y_q + 1'b1;
+        if (y_q == height - 1'b1) begin
+          in_q   <= 1'b0;
+          closed <= 1'b1;
+        end
+      end else if (beat) begin
+        x_q <= x_q + 1'b1;
+      end
+    end
+  end
+
+  // Issue: a good line not followed by a drop in the next clock starts five clocks after that.
+  logic [4:0] begins_q;        // [k]: such a line ended k + 2 clocks ago
+  logic pending;               // the latest line is on its way from the receiver to the scheduler
+  assign pending = event_commit_q || line_q || started_q;
+  int unsigned left, row;      // output rows left after this one; lines of the frame being read that were started
+  logic own;                   // the output frame is the one being read
+  assign left = 32'(out_left_q);
+  assign row  = 32'(rd_row_q);
+  assign own  = row > Radius;
+  logic good_q, past_last_q, past_valid_q;
+  logic [ColW-1:0] past_col_q;
+  always_ff @(posedge clk_i) begin
+    past_valid_q <= px_valid_o && !rst_i;
+    past_last_q  <= px_last_o;
+    past_col_q   <= px_col_o;
+    if (rst_i) begin
+      good_q   <= 1'b0;
+      begins_q <= '0;
+    end else begin
+      good_q   <= good;
+      begins_q <= {begins_q[3:0], good_q && !cut};
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    AssumeSize : assume (width_i == width && 32'(width) <= MaxWidth && 32'(width) >= 2 * Radius + 2
+                         && height_i == height && 32'(height) >= 2 * Radius + 2);
+    if (!rst_i) begin
+      RulesVideoState : assert (active_q == in_q && closed_q == closed);
+      RulesVideoAtEnd : assert (at_end_q == (in_q && end_of_line));
+      RulesVideoRow : assert (!in_q || wr_row_q + 10'(event_commit_q) == y_q || event_start_q);
+      RulesVideoRowRange : assert (!in_q || y_q < height);
+      RulesVideoLeft : assert (!in_q || event_start_q || left_q + x_q == (event_commit_q ? '0 : wr_en_q ? width
+                                                                        : width - 1'b1));
+      RulesVideoColumn : assert (!in_q || (x_q < width && (!event_start_q || (x_q == 10'd1 && y_q == '0 && wr_en_q))
+                                 && (!event_commit_q || (x_q == '0 && wr_en_q))));
+      RulesVideoDrops : assert (2'(event_kill_q) + 2'(event_start_q && event_last_q) == drops_q
+                                && 2'(drop_owed_q) == owed_q);
+      // Two drops at once end a frame, and another must begin, which drops none, before there can be two again.
+      RulesVideoOwed : assert (owed_q <= 2'd1 && !(drops_q == 2'd2 && (in_q || closed || owed_q != '0))
+                               && !(owed_q != '0 && in_q && drops_q != '0));
+      RulesVideoCounted : assert (dropped_o == counted_q);
+      RulesVideoGood : assert (event_commit_q == good_q);
+      // Lines of the frame that were started; the latest may be on its way. No filler starts between them.
+      RulesVideoFirst : assert (!in_q || event_start_q || first_row_q == (y_q == '0 || (y_q == 10'd1 && event_commit_q)));
+      RulesVideoStarted : assert (!in_q || y_q < (pending ? 10'd2 : 10'd1)
+                                  || (mid_frame_q && rd_current_q && rd_row_q == y_q - 10'(pending)));
+      RulesVideoMidFrame : assert (mid_frame_q ? pending || (rd_current_q && ((in_q && y_q != '0) || event_kill_q))
+                                   : !event_commit_q || in_q);
+      RulesVideoNew : assert (!in_q || event_start_q || y_q > (pending ? 10'd1 : 10'd0)
+                              || !(rd_current_q || (out_active_q && out_current_q)));
+      // The output frame is the one being read, or the one before it, whose last Radius rows are still to come.
+      RulesVideoOut : assert (!out_active_q || (!mid_frame_q ? left <= Radius
+                              : own ? left + row == 32'(height) + Radius && row > Radius && out_current_q == rd_current_q
+                              : left + row <= Radius && !out_current_q));
+      RulesVideoOutLast : assert (!out_active_q || left != 0 || rd_active_q);
+      // A line that is being issued is done before the next is complete: the receiver is at most two pixels ahead.
+      RulesVideoPace : assert (!rd_active_q || !in_q || x_q <= rd_col_q + 10'd2);
+      RulesVideoReading : assert (!rd_active_q || rd_col_q < width);
+      RulesVideoPaceEnd : assert (!(rd_active_q && event_commit_q) || rd_col_q + 10'd2 >= width);
+      RulesVideoWhole : assert (past_valid_q && !past_last_q ? px_valid_o && !px_first_o && px_col_o == past_col_q + 1'b1
+                                : !px_valid_o || (px_first_o && px_col_o == '0));
+      RulesVideoLast : assert (!px_valid_o || px_last_o == (10'(px_col_o) == width - 1'b1));
+      RulesVideoIssued : assert (!begins_q[4] || (px_valid_o && px_first_o));
+      CoverPixel : cover (px_valid_o);
+      CoverDropped : cover (dropped_o);
+      CoverTwice : cover (owed_q != '0);
+    end
   end
 endmodule : slog_rules_video_in
 
-bind slog_video_in slog_rules_video_in #(.MaxWidth(MaxWidth), .Radius(Radius)) u_rules (.*);
+bind slog_video_in slog_rules_video_in #(.MaxWidth(MaxWidth), .Radius(Radius), .ColW(ColW), .AddrW(AddrW)) u_rules (.*);
