@@ -48,7 +48,14 @@ module slog_rules_video_in #(
     input logic [9:0]       out_left_q,
     input logic             rd_active_q,
     input logic [9:0]       rd_col_q,
-    input logic             reading_q
+    input logic             reading_q,
+    input logic             wr_line_q,
+    input logic             wr_en_q2,
+    input logic             wr_en_q3,
+    input logic             start_q2,
+    input logic [AddrW-1:0] wr_addr_q2,
+    input logic [AddrW-1:0] wr_addr_q3,
+    input logic [AddrW-1:0] rd_addr_q
 );
   logic [9:0] width, height;
   slog_rules_choice #(.Width(20)) u_choice (.clk_i, .choice({width, height}));
@@ -122,6 +129,22 @@ module slog_rules_video_in #(
     end
   end
 
+  // Buffers: that of the line being received, and of the line being read; a pixel's address, one to three clocks later.
+  logic buffer_q, reads_q;
+  logic [AddrW-1:0] addr, addr_q, addr_q2, addr_q3;
+  function automatic logic [AddrW-1:0] place(logic line, logic [9:0] column);
+    return AddrW'((line ? MaxWidth : 0) + 32'(column));
+  endfunction
+  assign addr = place(buffer_q, (beat && tuser_i) ? '0 : x_q);
+  always_ff @(posedge clk_i) begin
+    addr_q  <= addr;
+    addr_q2 <= addr_q;
+    addr_q3 <= addr_q2;
+    if (rst_i) buffer_q <= 1'b0;
+    else if (good) buffer_q <= !buffer_q;
+    if (line_q && !event_kill_q) reads_q <= !buffer_q;
+  end
+
   always_ff @(posedge clk_i) begin
     AssumeSize : assume (width_i == width && 32'(width) <= MaxWidth && 32'(width) >= 2 * Radius + 2
                          && height_i == height && 32'(height) >= 2 * Radius + 2);
@@ -162,6 +185,12 @@ module slog_rules_video_in #(
                                 : !px_valid_o || (px_first_o && px_col_o == '0));
       RulesVideoLast : assert (!px_valid_o || px_last_o == (10'(px_col_o) == width - 1'b1));
       RulesVideoIssued : assert (!begins_q[4] || (px_valid_o && px_first_o));
+      RulesVideoBuffer : assert (wr_line_q == (buffer_q ^ event_commit_q));
+      RulesVideoAddress : assert (!wr_en_q3 || wr_addr_q3 == addr_q3);
+      RulesVideoNextAddress : assert (wr_en_q2 ? start_q2 || wr_addr_q2 == addr_q2
+                                      : wr_en_q ? event_start_q || wr_addr_q2 == addr_q : !in_q || wr_addr_q2 == place(buffer_q, x_q));
+      RulesVideoReadAddress : assert (!reading_q || (rd_active_q && rd_addr_q == place(reads_q, rd_col_q)));
+      RulesVideoApart : assert (!reading_q || reads_q != buffer_q || event_commit_q || line_q);
       CoverPixel : cover (px_valid_o);
       CoverDropped : cover (dropped_o);
       CoverTwice : cover (owed_q != '0);
