@@ -10,7 +10,8 @@ module slog_rules_operands
     parameter int unsigned WordsPerRow = 8,
     parameter int unsigned LaneW       = 2,
     parameter int unsigned StepW       = 3,
-    parameter int unsigned RingW       = 2
+    parameter int unsigned RingW       = 2,
+    parameter int unsigned HoldW       = 5
 ) (
     input logic                             clk_i,
     input logic                             rst_i,
@@ -23,6 +24,8 @@ module slog_rules_operands
     input logic [GroupBits-1:0]             wr_data_i,
     input step_t                            step_i,
     input logic                             valid_o,
+    input logic [HoldW-1:0]                 hold_q,
+    input int unsigned                      clocks_since_valid,
     input logic                             first_o,
     input logic                             last_o,
     input logic                             row_b_o,
@@ -33,6 +36,7 @@ module slog_rules_operands
     input logic [GroupBits+GroupBits/2-1:0] search_b_o
 );
   localparam int unsigned Pitch = GroupBits / 2;
+  localparam int unsigned Hold  = hold_clocks(GroupBits, GroupBits / 2 + 1);
   typedef struct packed {
     step_t                step;
     logic                 tpl_known;
@@ -77,6 +81,29 @@ module slog_rules_operands
   function automatic logic [Pitch-1:0] half(logic [GroupBits-1:0] word, logic [5:0] unit);
     return unit[0] ? word[GroupBits-1:Pitch] : word[Pitch-1:0];
   endfunction
+
+  // Where the watched words are once their registers are behind them, which makes the proof inductive.
+  logic [1:0] tpl_age_q, ring_age_q;                   // clocks since the word was written, up to 3
+  logic [GroupBits-1:0] ring_mem[2][2][2], tpl_mem, ring_at;  // [row parity][quad parity][word parity]
+  for (genvar r = 0; r < 2; r++) begin : g_row
+    for (genvar q = 0; q < 2; q++) begin : g_quad
+      for (genvar w = 0; w < 2; w++) begin : g_word
+        assign ring_mem[r][q][w] = slog_operands.u_search.g_row[r].g_quad[q].g_word[w].u_ram.mem_q[
+            {ring_word[3:2], ring_row[RingW-1:1]}];
+      end
+    end
+  end
+  assign tpl_mem = tpl_high ? slog_operands.u_tpl_b.mem_q[tpl_place] : slog_operands.u_tpl_a.mem_q[tpl_place];
+  assign ring_at = ring_mem[ring_row[0]][ring_word[1]][ring_word[0]];
+  always_ff @(posedge clk_i) begin
+    tpl_age_q  <= tpl_written ? '0 : tpl_age_q + 2'(tpl_age_q != '1);
+    ring_age_q <= ring_written ? '0 : ring_age_q + 2'(ring_age_q != '1);
+    if (!rst_i) begin
+      RulesOperandsTplKept : assert (!tpl_known_q || tpl_age_q != '1 || tpl_mem == tpl_q);
+      RulesOperandsHold : assert (clocks_since_valid <= Hold && (valid_o || 32'(hold_q) + clocks_since_valid + 1 >= Hold));
+      RulesOperandsRingKept : assert (!ring_known_q || ring_age_q != '1 || ring_at == ring_q);
+    end
+  end
 
   assign out = seen_q[OperandLatency-1];
   always_comb begin
@@ -130,4 +157,4 @@ module slog_rules_operands
 endmodule : slog_rules_operands
 
 bind slog_operands slog_rules_operands #(.GroupBits(GroupBits), .RingRows(RingRows), .WordsPerRow(WordsPerRow),
-                                         .LaneW(LaneW), .StepW(StepW), .RingW(RingW)) u_rules (.*);
+                                         .LaneW(LaneW), .StepW(StepW), .RingW(RingW), .HoldW(HoldW)) u_rules (.*);

@@ -55,10 +55,11 @@ module slog_rules_video_in #(
     input logic             start_q2,
     input logic [AddrW-1:0] wr_addr_q2,
     input logic [AddrW-1:0] wr_addr_q3,
-    input logic [AddrW-1:0] rd_addr_q
+    input logic [AddrW-1:0] rd_addr_q,
+    input logic [7:0]       mem[2*MaxWidth]
 );
-  logic [9:0] width, height;
-  slog_rules_choice #(.Width(20)) u_choice (.clk_i, .choice({width, height}));
+  logic [9:0] width, height, watched;
+  slog_rules_choice #(.Width(30)) u_choice (.clk_i, .choice({width, height, watched}));
 
   // Receiver: in a frame; between frames; pixels of the line so far; lines complete.
   logic in_q, closed, beat, end_of_line, good, cut, bad_start;
@@ -145,9 +146,38 @@ module slog_rules_video_in #(
     if (line_q && !event_kill_q) reads_q <= !buffer_q;
   end
 
+  // The watched column's pixel: of the line being received, of the last good line, of the line being issued.
+  logic [7:0] value, value_q, line_value_q, issued_value_q;
+  logic [1:0] age_q;       // clocks since it came, up to 3
+  logic [2:0] line_age_q;  // clocks since a good line ended, up to 7
+  logic lined, issuing_q;  // there was a good line; a line, not a filler, is being issued
+  logic [2:0] readings_q;  // [k]: a line, not a filler, was being read k + 1 clocks ago
+  logic watch;
+  assign watch = beat && (tuser_i ? watched == '0 : in_q && x_q == watched);
+  assign value = watch ? tdata_i : value_q;
+  always_ff @(posedge clk_i) begin
+    value_q <= value;
+    if (watch) age_q <= '0;
+    else if (age_q != '1) age_q <= age_q + 1'b1;
+    if (good) begin
+      line_value_q <= value;
+      line_age_q   <= '0;
+    end else if (line_age_q != '1) line_age_q <= line_age_q + 1'b1;
+    if (begins_q[3]) issued_value_q <= line_value_q;
+    if (rst_i) begin
+      lined      <= 1'b0;
+      issuing_q  <= 1'b0;
+      readings_q <= '0;
+    end else begin
+      lined      <= lined || good;
+      issuing_q  <= begins_q[3] || (issuing_q && !px_last_o);
+      readings_q <= {readings_q[1:0], reading_q};
+    end
+  end
+
   always_ff @(posedge clk_i) begin
     AssumeSize : assume (width_i == width && 32'(width) <= MaxWidth && 32'(width) >= 2 * Radius + 2
-                         && height_i == height && 32'(height) >= 2 * Radius + 2);
+                         && watched < width && height_i == height && 32'(height) >= 2 * Radius + 2);
     if (!rst_i) begin
       RulesVideoState : assert (active_q == in_q && closed_q == closed);
       RulesVideoAtEnd : assert (at_end_q == (in_q && end_of_line));
@@ -191,11 +221,18 @@ module slog_rules_video_in #(
                                       : wr_en_q ? event_start_q || wr_addr_q2 == addr_q : !in_q || wr_addr_q2 == place(buffer_q, x_q));
       RulesVideoReadAddress : assert (!reading_q || (rd_active_q && rd_addr_q == place(reads_q, rd_col_q)));
       RulesVideoApart : assert (!reading_q || reads_q != buffer_q || event_commit_q || line_q);
+      RulesVideoStored : assert (!(in_q && x_q > watched && age_q == '1) || mem[place(buffer_q, watched)] == value_q);
+      RulesVideoKept : assert (!(lined && line_age_q >= 3'd3) || mem[place(!buffer_q, watched)] == line_value_q);
+      RulesVideoIssuing : assert (issuing_q == readings_q[2] && (!issuing_q || px_valid_o) && (lined || !reading_q)
+                                  && (!issuing_q || line_age_q != '1 || issued_value_q == line_value_q));
+      RulesVideoData : assert (!(issuing_q && 10'(px_col_o) == watched) || px_data_o == issued_value_q);
       CoverPixel : cover (px_valid_o);
       CoverDropped : cover (dropped_o);
+      CoverData : cover (issuing_q && 10'(px_col_o) == watched && watched != '0 && px_data_o == 8'd1 && value_q == 8'd2);
       CoverTwice : cover (owed_q != '0);
     end
   end
 endmodule : slog_rules_video_in
 
-bind slog_video_in slog_rules_video_in #(.MaxWidth(MaxWidth), .Radius(Radius), .ColW(ColW), .AddrW(AddrW)) u_rules (.*);
+bind slog_video_in slog_rules_video_in #(.MaxWidth(MaxWidth), .Radius(Radius), .ColW(ColW), .AddrW(AddrW)) u_rules (
+    .mem(u_lines.mem_q), .*);
