@@ -95,8 +95,8 @@ def _jobs_during_captures(h: Host, planes: dict[int, Plane], jobs: list[Job], fr
 
 
 def _busy_until_the_result(h: Host) -> Script:
-    """The status of a single job and of a grid, read all the time from their submission on, and once after their results.
-    The single one may have ended before a slow bus answers."""
+    """The status of a single job and of a grid, read all the time from their submission on, and once after their
+    results. The single one may have ended before a slow bus answers."""
     for count in ((1, 1), (4, 3)):
         yield from h.submit(Job(0, 1, 1, 6, 5, 1, 2, 2, 4, 3, tag=90), count, (2, 1))
         seen = []
@@ -109,8 +109,8 @@ def _busy_until_the_result(h: Host) -> Script:
 
 
 def _busy_at_once(h: Host) -> Script:
-    """The status in the access that follows a submit to the idle board without a pause, on a bus without stalls: the job is
-    in the queue, but not yet at its end, and nothing else tells of it."""
+    """The status in the access that follows a submit to the idle board without a pause, on a bus without stalls: the
+    job is in the queue, but not yet at its end, and nothing else tells of it."""
     yield from h.submit(Job(0, 1, 1, 6, 5, 1, 2, 2, 4, 3, tag=92))
     yield from h.collect(1)
     assert (yield from h.read("job.status.busy")) == 0
