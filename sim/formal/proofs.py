@@ -177,7 +177,7 @@ PROOFS: tuple[Proof, ...] = (
     Proof("control_covers", "slog_control", "cover", 32, rules=("control",), blackboxes=CONTROL_PARTS, quick=False),
     Proof("board_busy", "slog_board", "prove", 14, rules=("fifo", "ram_fifo", "board"), blackboxes=BOARD_PARTS,
           removed=("SlogBoardOneFrame",), quick=False),
-    Proof("board_busy_covers", "slog_board", "cover", 24, rules=("fifo", "ram_fifo", "board"), blackboxes=BOARD_PARTS,
+    Proof("board_busy_covers", "slog_board", "cover", 24, rules=("board",), blackboxes=BOARD_PARTS,
           removed=("SlogBoardOneFrame",), quick=False),
     Proof("reset", "slog_reset", "bmc", 10, rules=("board_reset",), reset=0),
     Proof("reset_covers", "slog_reset", "cover", 20, rules=("board_reset",), reset=0),
