@@ -60,7 +60,6 @@ DEFECTS: dict[str, Defect] = {
                        "s2_outcome_q.other;"),
     "peak_rows_of_two": Defect("peak/slog_peak_collect.sv", "else if (s2_above_held_q) runner_up_q",
                                "else if (1'b0) runner_up_q"),
-    "peak_whole": Defect("peak/slog_peak_collect.sv", "near_west_i ? near_below_i", "near_west_i ? near_above_i"),
     "peak_rows": Defect("peak/slog_peak_rows.sv", "row_q.last <= left_q == 10'd1;", "row_q.last <= left_q == 10'd2;"),
     "peak_scan": Defect("peak/slog_peak_scan.sv", "west: until_q == 11'd1", "west: until_q[0]"),
     "peak_best": Defect("peak/slog_peak_best.sv", "order_room_i && (room_i || more_q);", "order_room_i;"),
