@@ -150,7 +150,7 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogPeakIntakeArea", "SlogPeakIntakeRowStays")),
     Proof("peak_intake_covers", "slog_peak_intake", "cover", 16, {"ScoreBits": 9}, rules=("peak_intake",),
           assumed=("SlogPeakIntakeArea", "SlogPeakIntakeRowStays"), quick=False),
-    Proof("capture_slots", "slog_capture", "bmc", 40, {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
+    Proof("capture_slots", "slog_capture", "bmc", 38, {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
           rules=("capture_slots",), assumed=("*SlogCaptureRoom", "*SlogCaptureNoEarlyWord"), quick=False),
     Proof("capture_slots_covers", "slog_capture", "cover", 34, {"GroupBits": 2, "Slots": 2, "SlotWords": 4,
           "WordsPerRow": 2}, rules=("capture_slots",),
