@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // slog_video_in's receiver against its header: which lines are good, which frames are dropped, how often that is counted;
-// and what is issued: whole lines, each good one six clocks after its last pixel, with that line's pixels.
+// and what is issued: whole lines, each good one six clocks after its last pixel, with that line's pixels. Each frame
+// whose output begins is done or aborted before the next begins.
 //
 // One column is watched. The image size is any, and constant, as slog_filter_bank keeps it while a frame is under way.
 module slog_rules_video_in #(
@@ -24,6 +25,9 @@ module slog_rules_video_in #(
     input logic [ColW-1:0]  px_col_o,
     input logic             px_first_o,
     input logic             px_last_o,
+    input logic             px_start_o,
+    input logic             px_done_o,
+    input logic             px_abort_o,
     input logic             dropped_o,
     input logic             active_q,
     input logic             closed_q,
@@ -130,6 +134,19 @@ module slog_rules_video_in #(
     end
   end
 
+  // Output frames: one is open from px_start_o to px_done_o or px_abort_o.
+  logic open_q;
+  logic [2:0] actives_q;   // [k]: out_active_q k + 1 clocks ago
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      open_q    <= 1'b0;
+      actives_q <= '0;
+    end else begin
+      open_q    <= px_start_o || (open_q && !px_done_o && !px_abort_o);
+      actives_q <= {actives_q[1:0], out_active_q};
+    end
+  end
+
   // Buffers: that of the line being received, and of the line being read; a pixel's address, one to three clocks later.
   logic buffer_q, reads_q;
   logic [AddrW-1:0] addr, addr_q, addr_q2, addr_q3;
@@ -207,6 +224,9 @@ module slog_rules_video_in #(
                               : own ? left + row == 32'(height) + Radius && row > Radius && out_current_q == rd_current_q
                               : left + row <= Radius && !out_current_q));
       RulesVideoOutLast : assert (!out_active_q || left != 0 || rd_active_q);
+      RulesVideoFrames : assert (px_start_o ? !open_q && !px_done_o && !px_abort_o
+                                 : px_done_o ? open_q && !px_abort_o : !px_abort_o || open_q);
+      RulesVideoOpen : assert (open_q == actives_q[2]);
       // A line that is being issued is done before the next is complete: the receiver is at most two pixels ahead.
       RulesVideoPace : assert (!rd_active_q || !in_q || x_q <= rd_col_q + 10'd2);
       RulesVideoReading : assert (!rd_active_q || rd_col_q < width);
