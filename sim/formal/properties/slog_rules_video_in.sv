@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // slog_video_in's receiver against its header: which lines are good, which frames are dropped, how often that is counted;
 // and what is issued: whole lines, each good one six clocks after its last pixel, with that line's pixels. Each frame
-// whose output begins is done or aborted before the next begins.
+// whose output begins is aborted, or done with the last of its rows, before the next begins.
 //
 // One column is watched. The image size is any, and constant, as slog_filter_bank keeps it while a frame is under way.
 module slog_rules_video_in #(
@@ -26,6 +26,7 @@ module slog_rules_video_in #(
     input logic             px_first_o,
     input logic             px_last_o,
     input logic             px_start_o,
+    input logic             px_out_o,
     input logic             px_done_o,
     input logic             px_abort_o,
     input logic             dropped_o,
@@ -50,6 +51,8 @@ module slog_rules_video_in #(
     input logic             out_current_q,
     input logic             rd_current_q,
     input logic [9:0]       out_left_q,
+    input logic             lined_q,
+    input logic             line_out,
     input logic             rd_active_q,
     input logic [9:0]       rd_col_q,
     input logic             reading_q,
@@ -137,6 +140,8 @@ module slog_rules_video_in #(
   // Output frames: one is open from px_start_o to px_done_o or px_abort_o.
   logic open_q;
   logic [2:0] actives_q;   // [k]: out_active_q k + 1 clocks ago
+  logic [9:0] rows_q;      // output rows that have ended
+  logic [2:0][9:0] rows_left_q;  // [k]: rows not begun k + 1 clocks ago
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       open_q    <= 1'b0;
@@ -145,6 +150,9 @@ module slog_rules_video_in #(
       open_q    <= px_start_o || (open_q && !px_done_o && !px_abort_o);
       actives_q <= {actives_q[1:0], out_active_q};
     end
+    rows_left_q <= {rows_left_q[1:0], out_left_q - 10'(!rd_active_q || lined_q)};
+    if (px_start_o) rows_q <= '0;
+    else rows_q <= rows_q + 10'(px_last_o && px_out_o && px_valid_o);
   end
 
   // Buffers: that of the line being received, and of the line being read; a pixel's address, one to three clocks later.
@@ -226,6 +234,9 @@ module slog_rules_video_in #(
       RulesVideoOutLast : assert (!out_active_q || left != 0 || rd_active_q);
       RulesVideoFrames : assert (px_start_o ? !open_q && !px_done_o && !px_abort_o
                                  : px_done_o ? open_q && !px_abort_o : !px_abort_o || open_q);
+      RulesVideoLineOut : assert (!(out_active_q && rd_active_q) || line_out);
+      RulesVideoRows : assert (!open_q || rows_q + rows_left_q[2] == height - 1'b1);
+      RulesVideoDone : assert (!px_done_o || (px_valid_o && px_last_o && px_out_o && rows_q == height - 1'b1));
       RulesVideoOpen : assert (open_q == actives_q[2]);
       // A line that is being issued is done before the next is complete: the receiver is at most two pixels ahead.
       RulesVideoPace : assert (!rd_active_q || !in_q || x_q <= rd_col_q + 10'd2);
