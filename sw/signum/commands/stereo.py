@@ -86,6 +86,7 @@ def stereo(
         pairs = _pairs(run, other, None if rectified else rig)
         run.page()
         table = run.table("disparity.csv", DISPARITY)
+        run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                "valid")
         for frame, pair in run.steps("stereo", pairs, run.source.count):
@@ -96,6 +97,7 @@ def stereo(
             _write(run, ending, run.fit, found, geometry, shown[0])
             for line in disparity_rows(frame, found.to_source(run.fit), geometry):
                 table.write(line)
+            run.refused.update(found.refused)
             shares.append(float(found.valid.mean()))
             run.report = run.report_folder
             run.tell(f"{shares[-1]:.0%} valid")
