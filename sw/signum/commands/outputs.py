@@ -67,7 +67,7 @@ class Outputs:
                                   "another --out, or move it away")
             self._mine = set() if replace else set(kept)
             if replace:
-                for name in kept:
+                for name in set(kept) - {PAGE}:  # which tells of other commands' runs too
                     (folder / name).unlink()
             head = json.dumps({"source": source, "live": live})
             write_text(self._record, "".join(f"{line}\n" for line in (head, *map(json.dumps, sorted(self._mine)))))
