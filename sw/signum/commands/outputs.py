@@ -65,7 +65,7 @@ class Outputs:
             if before and before.live and kept:
                 raise SignumError(f"{folder}: holds {kept[0]} of {before.source}, which cannot be seen again: choose "
                                   "another --out, or move it away")
-            self._mine = set() if replace else set(kept)
+            self._mine = set(kept) & {PAGE} if replace else set(kept)
             if replace:
                 for name in set(kept) - {PAGE}:  # which tells of other commands' runs too
                     (folder / name).unlink()
