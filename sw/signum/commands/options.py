@@ -12,7 +12,7 @@ import typer
 
 from golden.params import MAX_SIGMA, MIN_SIGMA
 
-SOURCE, BOARD, OUTPUT, SIMULATION = "Source", "Board", "Output", "Simulation"
+SOURCE, BOARD, OUTPUT, SIMULATION, AUTOPILOT = "Source", "Board", "Output", "Simulation", "Autopilot"
 """Groups of options that several commands have."""
 
 
@@ -42,6 +42,9 @@ SecondsOption = Annotated[float | None, typer.Option(
     "--seconds", min=1.0, show_default="60; a source's whole length", help="Length of the run.")]
 SeedOption = Annotated[int, typer.Option("--seed", rich_help_panel=SIMULATION, min=0,
                                          help="Seed of all that is random in the simulated world.")]
+MavlinkOption = Annotated[str | None, typer.Option(
+    "--mavlink", rich_help_panel=AUTOPILOT, show_default=False, help="Send what is measured, in real time, over "
+    "MAVLink to udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT or serial:DEVICE:BAUD.")]
 MegapixelsOption = Annotated[float, typer.Option(
     "--megapixels", rich_help_panel=SOURCE, min=0.001, max=1e6,
     help="Largest picture that is decoded, millions of pixels; its size is checked before.")]
