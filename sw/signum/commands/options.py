@@ -28,6 +28,9 @@ SourceArgument = Annotated[str, typer.Argument(
 CalibrationOption = Annotated[Path | None, typer.Option(
     "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, "
     "image_width, image_height): lens distortion is taken out of every frame.")]
+FocalOption = Annotated[float | None, typer.Option(
+    "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",
+    help="Focal length in pixels of the source's frames.")]
 OutOption = Annotated[Path, typer.Option("--out", rich_help_panel=OUTPUT,
                                          help="Folder for the files that are written; made if missing.")]
 BoardOption = Annotated[BoardName, typer.Option(

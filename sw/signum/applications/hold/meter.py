@@ -105,6 +105,16 @@ class StationMeter:
         self._last = Similarity(zoom * turn, -moved * (self.focal / offset.range_m) * turn)
         self._drift = 0j
 
+    def turn(self, heading: float) -> None:
+        """Expect the vehicle to have turned on the spot since the last reading, radians, clockwise seen from above."""
+        back = cmath.exp(-1j * heading)
+        self._last = Similarity(self._last.factor * back, self._last.shift * back)
+
+    def rescale(self, ratio: float) -> None:
+        """Take all ranges to be `ratio` times as large; offsets in metres change with them."""
+        self.range_m *= ratio
+        self.changes += 1
+
     def read(self, live: View, level: Level = UPRIGHT, wide: int = 0) -> Reading:
         """Measure a live view.
 

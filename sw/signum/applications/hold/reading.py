@@ -68,6 +68,11 @@ class Reading:
         """Whether the offset may be used."""
         return self.confidence > 0
 
+    def scaled(self, ratio: float) -> Reading:
+        """This reading where all ranges, and so all metres, are `ratio` times as large."""
+        return replace(self, forward=self.forward * ratio, right=self.right * ratio, range_m=self.range_m * ratio,
+                       offset_error=self.offset_error * ratio, range_error=self.range_error * ratio)
+
     def since(self, base: Reading) -> Reading:
         """This reading relative to a reference taken at `base`: the inverse of `after`."""
         c, s = np.cos(base.heading), np.sin(base.heading)

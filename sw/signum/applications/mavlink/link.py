@@ -82,14 +82,19 @@ class Link:
         m, self._beat = self.messages, time.monotonic()
         self._put(m.MAVLink_heartbeat_message(m.MAV_TYPE_ONBOARD_CONTROLLER, m.MAV_AUTOPILOT_INVALID, 0, 0,
                                               m.MAV_STATE_ACTIVE, 3))
-        self._put(m.MAVLink_timesync_message(0, time.monotonic_ns()))
+
+    def _ask(self) -> None:
+        """For the autopilot's time."""
+        self._put(self.messages.MAVLink_timesync_message(0, time.monotonic_ns()))
 
     def _serve(self) -> None:
         """The thread: until the link is closed."""
+        self._ask()
         while not self._stop.is_set():
             due = self._beat + BEAT_S - time.monotonic()
             if due <= 0:
                 self._heartbeat()
+                self._ask()
                 continue
             data = self._channel.read(min(WAIT_S, due))
             now = time.monotonic()

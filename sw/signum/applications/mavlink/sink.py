@@ -3,16 +3,12 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import Self
-
 import numpy as np
 
 from signum.applications.hold.reading import Level, Reading
+from signum.applications.mavlink.base import LinkSink
 from signum.applications.mavlink.delta import LONGEST_GAP_S, DeltaSender
-from signum.applications.mavlink.link import Link
 from signum.applications.mavlink.pose import PoseSender
-from signum.applications.mavlink.stamp import Stamp
 from signum.common.arrays import Floats
 from signum.common.errors import SignumError
 
@@ -20,7 +16,7 @@ MESSAGES = {"delta": 10.0, "estimate": 30.0, "odometry": 30.0}
 """Largest number of messages a second of each kind. ArduPilot's filter takes 20 deltas and 50 poses a second."""
 
 
-class MavlinkSink:
+class MavlinkSink(LinkSink):
     """Sends readings over a link of its own.
 
     Args:
@@ -40,21 +36,10 @@ class MavlinkSink:
     def __init__(self, address: str, rate: float | None = None, message: str = "delta") -> None:
         if message not in MESSAGES:
             raise SignumError(f"--message {message}: choose one of {', '.join(MESSAGES)}")
-        self.link = Link(address)
-        self.stamp = Stamp(self.link.vehicle.clock)
+        super().__init__(address)
         rate = rate or MESSAGES[message]
         self._deltas = DeltaSender(self.link, self.stamp, rate) if message == "delta" else None
         self._poses = PoseSender(self.link, self.stamp, rate, message) if message != "delta" else None
-
-    @property
-    def sent(self) -> int:
-        """Messages that the link took; HEARTBEAT and TIMESYNC are not among them."""
-        return self.link.sent
-
-    @property
-    def failed(self) -> int:
-        """Messages that the link did not take."""
-        return self.link.failed
 
     @property
     def gaps(self) -> int:
@@ -73,8 +58,8 @@ class MavlinkSink:
         forward, right, _ = self.lost
         gaps = (f" ({self.gaps} gaps of over {LONGEST_GAP_S:g} s not sent: {forward:+.3f} m ahead, {right:+.3f} m to "
                 "the right)" if self.gaps else "")
-        return (f"{self.sent} MAVLink messages{gaps}" + (f", {self.failed} could not be sent" if self.failed else "")
-                + (f", reference changed {self._poses.resets} times" if self._poses and self._poses.resets else ""))
+        resets = self._poses.resets if self._poses else 0
+        return super().said + gaps + (f", reference changed {resets} times" if resets else "")
 
     def send(self, time: float, reading: Reading, level: Level | None = None, north: float = 0.0) -> None:
         """Send a reading, if it is valid and a message is due; of one that is not valid nothing is ever sent.
@@ -94,11 +79,4 @@ class MavlinkSink:
         """Send what is left, and close the link."""
         if self._deltas is not None:
             self._deltas.finish()
-        self.link.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
-        self.close()
+        super().close()

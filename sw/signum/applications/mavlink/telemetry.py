@@ -27,14 +27,21 @@ RANGE_S = 1.0
 
 @dataclass(frozen=True)
 class Attitude:
-    """Of the vehicle at a moment, seconds: roll, pitch and yaw, radians, as MAVLink has them, and the yaw's rate,
-    radians per second."""
+    """Of the vehicle at a moment, seconds: roll, pitch and yaw, radians, as MAVLink has them, and their rates, radians
+    per second."""
 
     time: float
     roll: float
     pitch: float
     yaw: float
+    roll_rate: float
+    pitch_rate: float
     yaw_rate: float
+
+    def after(self, dt: float) -> Attitude:
+        """`dt` seconds later at the same rates."""
+        return replace(self, time=self.time + dt, roll=self.roll + self.roll_rate * dt,
+                       pitch=self.pitch + self.pitch_rate * dt, yaw=self.yaw + self.yaw_rate * dt)
 
 
 class Telemetry:
@@ -66,7 +73,7 @@ class Telemetry:
                     self.clock.answered(message.ts1 / 1e9, message.tc1 / 1e9, now)
 
     def _take_attitude(self, m: Any, now: float) -> None:
-        values = (m.roll, m.pitch, m.yaw, m.yawspeed)
+        values = (m.roll, m.pitch, m.yaw, m.rollspeed, m.pitchspeed, m.yawspeed)
         if not all(map(math.isfinite, values)):
             return
         boot = m.time_boot_ms / 1e3
@@ -86,8 +93,8 @@ class Telemetry:
             self._ranges.append((now, distance))
 
     def attitude(self, at: float) -> Attitude | None:
-        """The attitude at a moment of the monotonic clock, between the two around it; None without one within
-        `FAR_S`."""
+        """The attitude at a moment of the monotonic clock: between the two around it, or by the rates of the nearest;
+        None without one within `FAR_S`."""
         with self._lock:
             offset = self.clock.offset
             if offset is None:
@@ -98,12 +105,13 @@ class Telemetry:
         after = next((a for a in near if a.time > boot), None)
         if before is None or after is None:
             one = before or after
-            return one and replace(one, time=at)
+            return one and replace(one.after(boot - one.time), time=at)
         share = (boot - before.time) / (after.time - before.time)
         turn = math.remainder(after.yaw - before.yaw, 2 * math.pi)
-        roll, pitch, rate = ((1 - share) * a + share * b for a, b in (
-            (before.roll, after.roll), (before.pitch, after.pitch), (before.yaw_rate, after.yaw_rate)))
-        return Attitude(at, roll, pitch, before.yaw + share * turn, rate)
+        ends = ((getattr(before, name), getattr(after, name)) for name in
+                ("roll", "pitch", "roll_rate", "pitch_rate", "yaw_rate"))
+        roll, pitch, *rates = ((1 - share) * a + share * b for a, b in ends)
+        return Attitude(at, roll, pitch, before.yaw + share * turn, *rates)
 
     def range_m(self, at: float) -> float | None:
         """Distance straight down from the vehicle, along its own axis, metres: the median of the last `RANGE_S` before
