@@ -59,6 +59,8 @@ class Autopilot(InStep):
     def __init__(self, sink: MavlinkSink | None, paced: bool, sensing: bool = False) -> None:
         super().__init__(sink, paced)
         self._sink, self.sensing = sink, sensing and sink is not None
+        if sink is not None:
+            sink.link.asking = sensing
         self._last: tuple[float, Attitude] | None = None
         self._level: Level | None = None
         self._north: float | None = None

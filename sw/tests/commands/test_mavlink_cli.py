@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,9 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from signum.commands.cli import application
+from signum.frames.frame import Frame
 from signum.geometry.camera import LOOK_DOWN, Sight
+from signum.sources.live import LiveSource
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.vehicle import DOWN, Vehicle
@@ -81,21 +84,31 @@ def rocking() -> list[np.ndarray]:
     return pictures
 
 
+@dataclass
+class Told:
+    """Between a vehicle and its test: the monotonic time of the first frame, and the poses that arrived."""
+
+    began: float = math.inf
+    poses: list[Any] = field(default_factory=list)
+
+
 @contextmanager
 def _telling(other: Receiver, attitude: Callable[[float], tuple[float, float, float]], range_m: float | None
-             ) -> Iterator[list[float]]:
+             ) -> Iterator[Told]:
     """An autopilot that sends ATTITUDE at 50 Hz, TIMESYNC answers and perhaps ranges; `attitude` of the time since the
-    first frame, which is set as the list's only item."""
-    stop, began = threading.Event(), [math.inf]
+    first frame."""
+    stop, told = threading.Event(), Told()
 
     def tell() -> None:
         other.link.recv_match(type="HEARTBEAT", blocking=True, timeout=20)
         while not stop.wait(0.02):
             now = time.monotonic()
-            asked: Any = other.link.recv_match(type="TIMESYNC")
-            if asked is not None and asked.tc1 == 0:
-                other.link.mav.timesync_send(time.monotonic_ns() + 10**12, asked.ts1)
-            t = max(0.0, now - began[0])
+            while (one := other.link.recv_msg()) is not None:
+                if one.get_type() == "TIMESYNC" and one.tc1 == 0:
+                    other.link.mav.timesync_send(time.monotonic_ns() + 10**12, one.ts1)
+                elif one.get_type() == "VISION_POSITION_ESTIMATE":
+                    told.poses.append(one)
+            t = max(0.0, now - told.began)
             angles, later = attitude(t), attitude(t + 1e-4)
             rates = [(b - a) / 1e-4 for a, b in zip(angles, later, strict=True)]
             other.link.mav.attitude_send(round(1e3 * (now + 1000)), *angles, *rates)
@@ -105,7 +118,7 @@ def _telling(other: Receiver, attitude: Callable[[float], tuple[float, float, fl
     thread = threading.Thread(target=tell)
     thread.start()
     try:
-        yield began
+        yield told
     finally:
         stop.set()
         thread.join()
@@ -117,12 +130,12 @@ def test_hold_levels_by_the_attitude_that_it_is_told(tmp_path: Path, rocking: li
     from signum.commands.autopilot import Autopilot
 
     np.save(tmp_path / "film.npy", np.stack(rocking))
-    with receiver() as other, _telling(other, _swing, 2.0 if sense else None) as began:
+    with receiver() as other, _telling(other, _swing, 2.0 if sense else None) as told:
         begin = Autopilot.begin
 
         def noted(self: Autopilot, first: float | None) -> None:
             begin(self, first)
-            began[0] = self._start
+            told.began = self._start
 
         monkeypatch.setattr(Autopilot, "begin", noted)
         result = _run("hold", "--source", tmp_path / "film.npy", "--rate", RATE, "--focal", "200", "--mavlink",
@@ -135,6 +148,37 @@ def test_hold_levels_by_the_attitude_that_it_is_told(tmp_path: Path, rocking: li
     assert len(rows) > 8
     off = max(math.hypot(float(r["x_m"]), float(r["y_m"])) for r in rows)
     assert off < 0.03 if sense else off > 0.08, "2 m below, 0.06 rad appear as 12 cm"
+
+
+class _Camera(LiveSource):
+    """Gives frames at `RATE` by the clock."""
+
+    def __init__(self, pictures: list[np.ndarray]) -> None:
+        super().__init__("camera")
+        self._pictures = pictures
+
+    def _arrivals(self) -> Iterator[Frame]:
+        start = time.monotonic()
+        for k, picture in enumerate(self._pictures):
+            self.stopping.wait(max(0.0, start + k / RATE - time.monotonic()))
+            yield Frame(str(k), picture, time.monotonic())
+
+
+def test_a_live_source_is_levelled_by_itself_and_told_in_the_autopilots_time(
+        tmp_path: Path, rocking: list[np.ndarray], monkeypatch: pytest.MonkeyPatch) -> None:
+    from signum.commands import session
+
+    monkeypatch.setattr(session, "open_source", lambda *_: _Camera(rocking))
+    with receiver() as other, _telling(other, lambda t: (0.06, 0.0, YAW), 1.5) as told:
+        before = time.monotonic() + 1000
+        result = _run("hold", "--source", "0", "--focal", "200", "--mavlink", other.address, "--message", "estimate",
+                      "--window", "32", "--out", tmp_path)
+        assert result.exit_code == 0, result.output
+        after = time.monotonic() + 1000
+    assert "1.50 m by the vehicle's range finder" in result.output
+    first = told.poses[0]
+    assert before < first.usec / 1e6 < after
+    assert first.roll == pytest.approx(0.06, abs=1e-3) and first.yaw == pytest.approx(YAW, abs=0.01)
 
 
 def test_hold_with_sense_alone_is_one_line(tmp_path: Path) -> None:

@@ -17,6 +17,8 @@ BACKLOG = 1 << 14
 """Bytes that a stream may owe its receiver; it takes no message more while it owes so many."""
 AGAIN_S = 2.0
 """Time between two attempts to open a broken stream again, seconds."""
+REOPEN_S = 0.1
+"""Longest wait for the answer of a server that is connected to again, seconds."""
 CONNECT_S = 5.0
 """Longest wait for the first answer of a TCP server, seconds."""
 REFUSAL_S = 0.2
@@ -29,7 +31,8 @@ SocketAddress = Any
 
 
 class Channel(ABC):
-    """A way for bytes in both directions. Nothing blocks after the opening."""
+    """A way for bytes in both directions. Nothing waits after the opening, but for `REOPEN_S` where a broken stream is
+    opened again."""
 
     @abstractmethod
     def write(self, data: bytes) -> bool:
@@ -195,7 +198,7 @@ class Stream(Channel):
         if not self._open and time.monotonic() - self._tried > AGAIN_S:
             self._tried = time.monotonic()
             with contextlib.suppress(OSError):
-                self._start(0.1)
+                self._start(REOPEN_S)
                 self._open = True
         return self._open
 

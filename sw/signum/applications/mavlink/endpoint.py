@@ -11,6 +11,8 @@ from signum.common.errors import SignumError, lacking
 
 BAUD = 115200
 """Rate of a serial port where the address names none, bits per second."""
+DIGITS = 8
+"""Longest number in an address."""
 FORMS = "udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT or serial:DEVICE:BAUD"
 KINDS: dict[str, Callable[[int, SocketAddress], Channel]] = {"udpout": UdpOut, "udpin": UdpIn, "tcp": Tcp}
 
@@ -45,7 +47,7 @@ def _looked_up(address: str, kind: str, place: str) -> tuple[int, SocketAddress]
     host, _, port = place.rpartition(":")
     if not port.isdecimal() or (not host and kind != "udpin"):
         raise SignumError(f"--mavlink {address}: write it as {kind}:HOST:PORT")
-    if not 0 < int(port) < 1 << 16:
+    if len(port) > DIGITS or not 0 < int(port) < 1 << 16:
         raise SignumError(f"--mavlink {address}: a port is a number from 1 to 65535")
     host = host.removeprefix("[").removesuffix("]")
     way = socket.SOCK_STREAM if kind == "tcp" else socket.SOCK_DGRAM
@@ -60,7 +62,7 @@ def _looked_up(address: str, kind: str, place: str) -> tuple[int, SocketAddress]
 
 def _serial(address: str, place: str) -> Channel:
     device, _, baud = place.replace(",", ":").partition(":")
-    if not device or (baud and not (baud.isdecimal() and int(baud) > 0)):
+    if not device or (baud and not (baud.isdecimal() and len(baud) <= DIGITS and int(baud) > 0)):
         raise SignumError(f"--mavlink {address}: write it as serial:DEVICE:BAUD, as in serial:/dev/ttyACM0:{BAUD}")
     try:
         return Serial(device, int(baud or BAUD))

@@ -18,6 +18,8 @@ AUTOPILOT = 1
 """MAV_COMP_ID_AUTOPILOT1."""
 BEAT_S = 1.0
 """Period of HEARTBEAT, and of the TIMESYNC requests, seconds."""
+STREAM_HZ = 20.0
+"""Rate at which the vehicle's attitude and range are asked for, messages a second."""
 WAIT_S = 0.1
 """Longest time for which the receiving thread waits at once, seconds."""
 
@@ -34,6 +36,7 @@ class Link:
     Attributes:
         messages: pymavlink's module of messages.
         vehicle: what the vehicle has told.
+        asking: whether the autopilot is asked for attitude and range when they do not come by themselves.
         sent: messages that the channel took, HEARTBEAT and TIMESYNC aside.
         failed: messages that it did not take.
 
@@ -55,6 +58,7 @@ class Link:
         self._in = ardupilotmega.MAVLink(None)
         self._in.robust_parsing = True
         self.vehicle = Telemetry()
+        self.asking = False
         self.sent = self.failed = 0
         self._lock, self._stop, self._beat = threading.Lock(), threading.Event(), 0.0
         self._heartbeat()
@@ -87,6 +91,13 @@ class Link:
         """For the autopilot's time."""
         self._put(self.messages.MAVLink_timesync_message(0, time.monotonic_ns()))
 
+    def _ask_for(self, *kinds: int) -> None:
+        """Ask the autopilot to send messages of these kinds at `STREAM_HZ` over this link."""
+        m = self.messages
+        for kind in kinds:
+            self._put(m.MAVLink_command_long_message(self._out.srcSystem, AUTOPILOT, m.MAV_CMD_SET_MESSAGE_INTERVAL, 0,
+                                                     kind, 1e6 / STREAM_HZ, 0, 0, 0, 0, 0))
+
     def _serve(self) -> None:
         """The thread: until the link is closed."""
         self._ask()
@@ -106,6 +117,8 @@ class Link:
         if message.get_srcComponent() == AUTOPILOT:
             if kind == "HEARTBEAT" and message.autopilot != m.MAV_AUTOPILOT_INVALID:
                 self._out.srcSystem = message.get_srcSystem()
+                if self.asking and self.vehicle.attitude(now) is None:
+                    self._ask_for(m.MAVLINK_MSG_ID_ATTITUDE, m.MAVLINK_MSG_ID_DISTANCE_SENSOR)
             elif kind == "TIMESYNC" and message.tc1 == 0:
                 self._put(m.MAVLink_timesync_message(time.monotonic_ns(), message.ts1))
         self.vehicle.take(message, now)

@@ -7,6 +7,7 @@ import math
 import time
 from typing import Any
 
+import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as m
 
@@ -116,3 +117,36 @@ def test_a_clock_that_comes_after_the_first_message_is_not_used() -> None:
                 sink.link.vehicle.clock.arrived(BOOT, 0.0)
             sink.send(k / 10, Reading(0.1 * k, 0.0, 0.0, 1.0, 2.0, 90))
         assert [g.time_usec for g in other.heard("VISION_POSITION_DELTA", 3)] == [100000, 200000, 300000]
+
+
+def test_an_autopilot_that_is_silent_is_asked_for_its_attitude_only_where_it_is_wanted() -> None:
+    with receiver() as other, MavlinkSink(other.address) as sink:
+        other.heard("HEARTBEAT", 1)
+        other.link.mav.heartbeat_send(12, 3, 0, 0, 4)
+        assert other.nothing("COMMAND_LONG")
+        sink.link.asking = True
+        other.link.mav.heartbeat_send(12, 3, 0, 0, 4)
+        asked = other.heard("COMMAND_LONG", 2)
+        assert [(a.command, a.param1, a.param2) for a in asked] == [(511, 30, 50000), (511, 132, 50000)]
+        other.link.mav.attitude_send(1000, 0, 0, 0, 0, 0, 0)
+        other.link.mav.heartbeat_send(12, 3, 0, 0, 4)
+        assert other.nothing("COMMAND_LONG")
+
+
+def test_whatever_arrives_the_link_goes_on() -> None:
+    rng = np.random.default_rng(8)
+    good = [bytes(_attitude(1.0, 0.1).get_msgbuf()), bytes(_distance(150).get_msgbuf()),
+            bytes(_from(m.MAVLink_statustext_message(6, b"hello")).get_msgbuf())]
+    with receiver() as other, MavlinkSink(other.address) as sink:
+        other.heard("HEARTBEAT", 1)
+        where = next(iter(other.link.clients))
+        for k in range(600):
+            data = bytearray(good[k % 3])
+            for _ in range(int(rng.integers(1, 4))):
+                data[int(rng.integers(len(data)))] = int(rng.integers(256))
+            other.link.port.sendto(bytes(data[:int(rng.integers(1, len(data) + 1))]), where)
+        other.link.port.sendto(b"", where)
+        for _ in range(3):
+            other.link.mav.attitude_send(2000, 0.2, 0, 0, 0, 0, 0)
+        assert soon(lambda: (a := sink.link.vehicle.attitude(time.monotonic())) and a.roll == pytest.approx(0.2))
+        assert sink.link._thread.is_alive()
