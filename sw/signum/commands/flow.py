@@ -25,6 +25,7 @@ from signum.commands.options import (
 )
 from signum.commands.session import Session
 from signum.common.files import write_picture
+from signum.frames.clock import FRAME_RATE
 from signum.frames.frame import Frame
 from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
@@ -33,8 +34,6 @@ from signum.report.movie import Movie
 from signum.report.rows import flow_rows
 from signum.tables.schemas import FLOW
 
-FRAME_RATE = 10.0
-"""Frames per second of a source where none are known."""
 LOST = 0.25
 """Share of valid windows below which the search is widened."""
 BOARD_DEFAULTS = BoardOptions()
@@ -78,6 +77,7 @@ def flow(
         fit, measurer = run.fit, run.measurer(run.fit.board)
         table, movie = run.table("flow.csv", FLOW), Movie(run.file("flow.mp4"))
         run.at_end(movie.close)
+        run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: f"{output / 'flow.csv'}: {run.done} frames" + (
             f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow") + teller.said
         last: tuple[Frame, View] | None = None
@@ -88,8 +88,9 @@ def flow(
                 field = _measure(measurer, last[1], live, board.window, step, reach, guess)
                 guess = field.dominant()
                 teller.send(last[0], frame, field)
+                run.refused.update(field.refused)
                 measurer.release(last[1])
-                table.write_all(flow_rows(last[0].name, frame.name, field, fit))
+                table.write_all(flow_rows(last[0], frame, field, fit))
                 shown = draw_flow(fit.show(last[0].picture), field)
                 movie.write(shown)
                 if run.done % pictures == 1 % pictures:

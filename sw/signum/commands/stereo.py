@@ -23,6 +23,7 @@ from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
 from signum.common.files import replacing, write_picture
+from signum.frames.clock import FRAME_RATE
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
@@ -34,8 +35,6 @@ from signum.tables.schemas import DISPARITY
 
 BOARD_DEFAULTS = BoardOptions(sigma=1.0, window=16)
 SEARCH = "Search"
-FRAME_RATE = 10.0
-"""Pairs per second of sources where none are known."""
 
 
 @dataclass(frozen=True)
@@ -149,24 +148,26 @@ def stereo(
         teller = RangeTeller(run, told, search, geometry)
         pairs = _pairs(run, other, None if rectified else rig)
         table = run.table("disparity.csv", DISPARITY)
+        run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                f"valid{teller.said}")
         for frame, pair in run.steps("stereo", pairs, run.source.count):
             measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
             found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
                                   (board.window, board.window), search.step)
-            name = frame.name
-            teller.send(frame.time_s, found.to_source(run.fit))
-            _write(run, "" if run.source.count == 1 else f"_{name}", run.fit, found, geometry, shown[0])
-            for line in disparity_rows(name, found.to_source(run.fit), geometry):
+            whole = found.to_source(run.fit)
+            teller.send(frame.time_s, whole)
+            _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown[0])
+            for line in disparity_rows(frame, whole, geometry):
                 table.write(line)
+            run.refused.update(found.refused)
             shares.append(float(found.valid.mean()))
             run.report = run.report_folder
             run.tell(f"{shares[-1]:.0%} valid")
 
 
 def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple[Frame, tuple[Image, Image]]]:
-    """Left frames, and grey pictures of both cameras, rectified."""
+    """The left frame, and the grey pictures of both cameras, rectified."""
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for a, b in frames:
         if a is None or b is None:
