@@ -162,6 +162,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
 
     out.print(f"seed {scenario.seed}")
     moments = simulate_hold(run.measurer, scenario)
+    autopilot.begin(None)
     for k, m in enumerate(run.steps("holding", moments, round(scenario.seconds * scenario.rate))):
         record.add(str(k), m.time, m.reading, m.frame, m.features,
                    truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))

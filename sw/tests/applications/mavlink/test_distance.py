@@ -4,7 +4,9 @@
 import numpy as np
 import pytest
 
-from signum.applications.mavlink.distance import LEAST_WINDOWS, middle_distance
+from signum.applications.mavlink.distance import LEAST_WINDOWS, DistanceSink, middle_distance
+
+from .ends import receiver
 
 
 def test_the_distance_is_the_middles_median_with_its_error() -> None:
@@ -28,3 +30,17 @@ def test_too_few_windows_have_no_distance() -> None:
     assert middle_distance(depth) is None
     depth[3, 2:2 + LEAST_WINDOWS] = 3.0
     assert middle_distance(depth) == (3.0, 0.0, 0.25)
+
+
+@pytest.mark.parametrize(("facing", "orientation"), [("down", 25), ("forward", 0)])
+def test_a_distance_is_told_twenty_times_a_second_with_its_direction_and_what_it_can_be(facing: str, orientation: int
+                                                                                       ) -> None:
+    with receiver() as other, DistanceSink(other.address, facing, (0.413, 2000.0), (0.5, 0.4)) as sink:
+        for k in range(31):
+            sink.send(k / 30, np.full((8, 8), 1.234 if k != 15 else np.nan))
+        got = other.heard("DISTANCE_SENSOR", sink.sent)
+    assert {(g.current_distance, g.orientation, g.covariance, g.signal_quality) for g in got} == {
+        (123, orientation, 1, 100)}
+    assert (got[0].min_distance, got[0].max_distance) == (42, 65535), "what the message can hold"
+    times = [g.time_boot_ms for g in got]
+    assert 15 <= len(times) <= 21 and np.diff(times).min() >= 50
