@@ -8,6 +8,7 @@ import errno
 import os
 import select
 import socket
+import threading
 import time
 from abc import ABC, abstractmethod
 from typing import Any
@@ -56,6 +57,8 @@ class UdpOut(Channel):
 
     def __init__(self, family: int, address: SocketAddress) -> None:
         self._socket, self._refused = socket.socket(family, socket.SOCK_DGRAM), False
+        self._lock = threading.Lock()
+        """Between sending and asking for the refusal: a reader would be given it instead."""
         try:
             self._socket.connect(address)
         except OSError:
@@ -65,12 +68,13 @@ class UdpOut(Channel):
 
     def write(self, data: bytes) -> bool:
         """Send a datagram; on the same machine a refusal is known at once, from farther it comes with a later one."""
-        self._error()  # the refusal of an earlier datagram
-        try:
-            self._socket.send(data)
-        except OSError:
-            return False
-        return not self._error()
+        with self._lock:
+            self._error()  # the refusal of an earlier datagram
+            try:
+                self._socket.send(data)
+            except OSError:
+                return False
+            return not self._error()
 
     def _error(self) -> bool:
         """Whether the host has sent an error since this was last asked."""
@@ -90,10 +94,11 @@ class UdpOut(Channel):
         """A datagram."""
         if not select.select([self._socket], [], [], wait)[0]:
             return b""
-        try:
-            return self._socket.recv(READ_BYTES)
-        except OSError:
-            return b""
+        with self._lock:
+            try:
+                return self._socket.recv(READ_BYTES)
+            except OSError:
+                return b""
 
     def close(self) -> None:
         """Close the socket."""

@@ -177,12 +177,14 @@ def test_a_receiver_that_goes_is_not_counted_and_one_that_comes_again_is_sent_to
         _readings(sink, 2)
         assert sink.sent == 2
     with sink:
-        _readings(sink, 3, 0.2)
-        assert sink.sent == 2 and sink.failed == 3
+        _readings(sink, 40, 0.2)
+        assert sink.sent <= 3 and sink.failed >= 30, "of one the refusal may come late, under load"
+        sent = sink.sent
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
             again.bind(("127.0.0.1", port))
-            sink.send(0.9, Reading(0.09, 0.0, 0.0, 1.0, 2.0, 90))
-            assert sink.sent == 3
+            for k in range(3):
+                sink.send(4.3 + 0.1 * k, Reading(0.0, 0.0, 0.0, 1.0, 2.0, 90))
+            assert sink.sent >= sent + 2
 
 
 def _beats(heard: Callable[[], list[Any]]) -> list[float]:
