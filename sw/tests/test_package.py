@@ -131,6 +131,7 @@ def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path)
     ("rtl", "peakrdl_pyral_runtime", "signum.open_board('verilated', signum.TINY)"),
     ("ros", "rosbags", "open('a.bag', 'w').write('x'); signum.open_source('a.bag')"),
     ("mavlink", "pymavlink", "signum.MavlinkSink('udpout:127.0.0.1:9')"),
+    ("serial", "serial", "signum.MavlinkSink('serial:/dev/ttyS0:57600')"),
 ])
 def test_an_absent_extra_is_named(installed: Path, tmp_path: Path, extra: str, blocked: str, code: str) -> None:
     tried = f"try:\n    {code}\nexcept signum.SignumError as error:\n    print(error)"
