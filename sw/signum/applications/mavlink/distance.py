@@ -12,9 +12,9 @@ from signum.applications.mavlink.base import LinkSink
 from signum.applications.mavlink.pace import Pace
 from signum.common.arrays import Floats
 
-RATE, LEAST_S = 20.0, 0.05
-"""Largest number of messages a second, and shortest time between two, seconds: ArduPilot's filter reads its range
-finders every 50 ms (`sensorIntervalMin_ms` of AP_NavEKF3.h)."""
+RATE = 20.0
+"""Largest number of messages a second: ArduPilot's filter reads its range finders every 50 ms (`sensorIntervalMin_ms`,
+AP_NavEKF3.h)."""
 LEAST_WINDOWS = 4
 """Valid windows in the middle of the view below which there is no distance."""
 LONGEST_CM = 65535
@@ -67,7 +67,7 @@ class DistanceSink(LinkSink):
         self._orientation, self._view = FACING[facing], view
         low, high = (min(LONGEST_CM, 100 * m) for m in limits)
         self._limits = math.ceil(low), math.floor(high)
-        self._pace = Pace(RATE, LEAST_S)
+        self._pace = Pace(RATE, 0.0)
 
     def send(self, time: float, depth: Floats) -> None:
         """Send the distance of a pair, if it shows one and a message is due; see `middle_distance`.

@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 
 EARLY_S = 1e-3
-"""By how much a frame may come before a message is due, seconds: stamps are rounded."""
+"""By how much a frame may come before a message is due, and after the receiver accepts one, seconds: times are rounded.
+"""
 
 
 class Pace:
@@ -23,15 +24,15 @@ class Pace:
 
     def due(self, time: float) -> bool:
         """Whether a message may go at a time, seconds."""
-        return time >= self._due - EARLY_S
+        return time >= self._due - EARLY_S and self.allowed(time)
 
     def allowed(self, time: float) -> bool:
         """Whether the receiver would accept one, due or not."""
-        return time - self._last >= self._least
+        return time - self._last >= self._least + EARLY_S
 
     def sent(self, time: float) -> None:
         """One was sent: a late one delays no other, but none follows it too closely."""
-        self._due = max(self._due + self._period, time + max(self._period / 2, self._least) + EARLY_S)
+        self._due = max(self._due + self._period, time + self._period / 2)
         self._last = time
 
     def restart(self, time: float) -> None:

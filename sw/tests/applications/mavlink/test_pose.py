@@ -43,8 +43,10 @@ def _flown(message: str, frames: list[tuple[float, Reading]], level: Level | Non
 def test_poses_come_at_the_frames_rate_up_to_thirty_and_never_while_blind(message: str, rate: float, expected: int
                                                                           ) -> None:
     frames = [(k / rate, Reading(0.01 * k, 0.0, 0.0, 1.0, 2.0, 80, offset_error=0.01)) for k in range(round(2 * rate))]
-    late = [(t + 2 + k / rate, r) for k, (t, r) in enumerate(frames[-1:])]
-    sink, got, filter_ = _flown(message, [*frames, *((t + 0.5, Reading()) for t, _ in late), *late])
+    late = [(t + 2, r) for t, r in frames[-1:]]
+    blind = [(2 + k / 10, Reading()) for k in range(15)]
+    sink, got, filter_ = _flown(message, [*frames, *blind, *late])
+    assert not [p for p in filter_.poses if 2 <= p[0] < 3.5]
     assert abs(sink.sent - expected - 1) <= 1 and len(filter_.poses) == len(got)
     assert len(filter_.pauses([p[0] for p in filter_.poses], 1e3 / LEAST_HZ)) == 1, "the one while nothing was seen"
 

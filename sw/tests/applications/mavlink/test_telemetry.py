@@ -81,6 +81,7 @@ def test_the_clock_is_the_best_of_what_was_told() -> None:
     assert clock.offset == pytest.approx(BOOT - 0.03)
     clock.answered(5.0, BOOT + 5.05, 5.06)  # 50 ms there, 10 ms back: the half of the trip is wrong by 20 ms
     clock.answered(6.0, BOOT + 6.004, 6.008)
+    clock.answered(6.5, BOOT + 6.51, 6.55)
     assert clock.offset == pytest.approx(BOOT)
     clock.answered(0.0, BOOT + 1e6, 1e6)
     clock.answered(9.0, BOOT, 8.0)
