@@ -45,7 +45,7 @@ _MODULES = {
     "golden.params": ("FULL", "NO_SCORE", "TINY", "Config"),
     "signum.applications.follow.eyes": ("MotionEye", "RangeEye"),
     "signum.applications.follow.follower": ("Follower", "Target"),
-    "signum.applications.hold.mavlink": ("MavlinkSink",),
+    "signum.applications.mavlink.sink": ("MavlinkSink",),
     "signum.applications.hold.meter": ("StationMeter",),
     "signum.applications.hold.reading": ("Level", "Reading"),
     "signum.applications.mosaic.settings": ("SurveySettings",),
@@ -76,9 +76,9 @@ if TYPE_CHECKING:
     from golden.params import FULL, NO_SCORE, TINY, Config
     from signum.applications.follow.eyes import MotionEye, RangeEye
     from signum.applications.follow.follower import Follower, Target
-    from signum.applications.hold.mavlink import MavlinkSink
     from signum.applications.hold.meter import StationMeter
     from signum.applications.hold.reading import Level, Reading
+    from signum.applications.mavlink.sink import MavlinkSink
     from signum.applications.mosaic.settings import SurveySettings
     from signum.applications.mosaic.survey import Survey
     from signum.applications.navigate.chart import Chart

@@ -3,16 +3,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
 
+from signum.applications.mavlink.flow import FlowSink
 from signum.commands.app import command
-from signum.commands.options import BoardOptions, CalibrationOption, OutOption, SourceArgument
+from signum.commands.autopilot import InStep
+from signum.commands.focal import focal_px
+from signum.commands.options import (
+    SOURCE,
+    BoardOptions,
+    CalibrationOption,
+    FocalOption,
+    MavlinkOption,
+    OutOption,
+    SourceArgument,
+)
 from signum.commands.session import Session
 from signum.common.files import name_part, write_picture
+from signum.frames.clock import FRAME_RATE
 from signum.frames.frame import Frame
 from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
@@ -26,10 +39,25 @@ LOST = 0.25
 BOARD_DEFAULTS = BoardOptions()
 
 
+@dataclass(frozen=True)
+class FlowLens:
+    """What makes pixels a frame radians per second, for an autopilot."""
+
+    focal: FocalOption = None
+    rate: Annotated[float | None, typer.Option(
+        "--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0, show_default="10", help="Frames per second of a source "
+        "whose frames have no times.")] = None
+
+
+LENS_DEFAULTS = FlowLens()
+
+
 @command()
 def flow(
     source: SourceArgument,
     calibration: CalibrationOption = None,
+    lens: FlowLens = LENS_DEFAULTS,
+    mavlink: MavlinkOption = None,
     output: OutOption = Path("out/flow"),
     board: BoardOptions = BOARD_DEFAULTS,
     step: Annotated[int, typer.Option("--step", min=4, help="Grid of the field, pixels of the board's picture.")] = 32,
@@ -38,19 +66,21 @@ def flow(
     pictures: Annotated[int, typer.Option("--pictures", min=1, help="Every how many frames the field is also written "
                                           "as a picture.")] = 10,
 ) -> None:
-    """Optical flow from frame to frame: `flow.csv`, `flow.mp4`, every tenth field as `flow_NAME.png`, `report.html`.
+    """Optical flow from frame to frame: `flow.csv`, `flow.mp4`, every tenth field as `flow_NAME.png`, `report.html`;
+    to an autopilot, OPTICAL_FLOW.
 
     Example: `signum flow dive.mp4 --step 24 --out out/flow`
     """
     shares: list[float] = []
-    with Session("flow", board, output, source, calibration) as run:
+    with Session("flow", board, output, source, calibration, lens.rate) as run:
+        teller = FlowTeller(run, run.open(FlowSink(mavlink)) if mavlink is not None else None, lens, calibration)
         fit, measurer = run.fit, run.measurer(run.fit.board)
         run.page()
         table, movie = run.table("flow.csv", FLOW), Movie(run.file("flow.mp4"))
         run.at_end(movie.close)
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: f"{output / 'flow.csv'}: {run.done} frames" + (
-            f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow")
+            f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow") + teller.said
         last: tuple[Frame, View] | None = None
         guess = (0.0, 0.0)
         for frame in run.steps("flow", run.frames(), run.source.count):
@@ -58,6 +88,7 @@ def flow(
             if last is not None:
                 field = _measure(measurer, last[1], live, board.window, step, reach, guess)
                 guess = field.dominant()
+                teller.send(last[0], frame, field)
                 run.refused.update(field.refused)
                 measurer.release(last[1])
                 table.write_all(flow_rows(last[0], frame, field, fit))
@@ -69,6 +100,41 @@ def flow(
                 run.report = run.report_folder
             last = frame, live
             run.tell(f"{shares[-1]:.0%} valid" if shares else "")
+
+
+class FlowTeller(InStep):
+    """Sends the fields between frames, if anywhere, in step with real time.
+
+    Args:
+        run: the session, whose source is live or is played in real time.
+        sink: of the messages.
+        lens: the user's.
+        calibration: of the camera.
+    """
+
+    def __init__(self, run: Session, sink: FlowSink | None, lens: FlowLens, calibration: Path | None) -> None:
+        super().__init__(sink, paced=not run.live)
+        self._sink, self._frames = sink, 0
+        self._rate = lens.rate or run.source.rate or FRAME_RATE
+        self._origin: float | None = None
+        if sink is not None:
+            focal = focal_px(lens.focal, calibration, run.fit.source[0], "rates of turn scale inversely")
+            self._focal = focal / run.fit.factor[0], focal / run.fit.factor[1]
+
+    def send(self, before: Frame, after: Frame, field: FlowField) -> None:
+        """Send the field between two frames, in the board's pixels, at the later one's time."""
+        if self._sink is None:
+            return
+        if self._origin is None:
+            self._origin = before.time_s or 0.0
+            self.begin(before.time_s)
+        self._frames += 1
+        if before.time_s is None or after.time_s is None:
+            moment, step = self._frames / self._rate, 1 / self._rate
+        else:
+            moment, step = after.time_s - self._origin, after.time_s - before.time_s
+        self.wait(moment)
+        self._sink.send(moment, step, field, self._focal)
 
 
 def _measure(measurer: Measurer, before: View, after: View, window: int, step: int, reach: int,

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,18 +12,23 @@ import numpy as np
 import typer
 
 from signum.applications.hold.judge import judge_hold_rows
-from signum.applications.hold.mavlink import LONGEST_GAP_S, MavlinkSink
 from signum.applications.hold.page import hold_bars, hold_section
 from signum.applications.hold.reading import Reading
 from signum.applications.hold.record import HoldRecord
 from signum.applications.hold.simulate import SURGE, Scenario, simulate_hold
-from signum.applications.hold.watch import watch_station
+from signum.applications.hold.watch import Sensors, watch_station
+from signum.applications.mavlink.sink import MavlinkSink
 from signum.commands.app import command
+from signum.commands.autopilot import Autopilot
+from signum.commands.focal import focal_px
 from signum.commands.options import (
+    AUTOPILOT,
     SIMULATION,
     SOURCE,
     BoardOptions,
     CalibrationOption,
+    FocalOption,
+    MavlinkOption,
     OutOption,
     SecondsOption,
     SeedOption,
@@ -33,7 +38,6 @@ from signum.commands.session import Session
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
 from signum.frames.clock import FRAME_RATE
-from signum.geometry.calibration import read_mono
 from signum.report.about import head
 from signum.report.page import write_page
 from signum.world.vehicle import Current
@@ -44,8 +48,6 @@ GUESS_M = 2.0
 """Range of a source where none is given, metres."""
 TITLE = "Signum: Station keeping"
 """Of the report."""
-VIEW = 400 / 384
-"""Focal length per picture width where none is given: about 51 degrees across, a common lens under water."""
 BLIND_S = 3.0
 """Seconds for which the simulated view is blocked, or the simulated vehicle pushed."""
 
@@ -58,9 +60,7 @@ class HoldSource:
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames to measure "
         "instead: video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.")] = None
     calibration: CalibrationOption = None
-    focal: Annotated[float | None, typer.Option(
-        "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",
-        help="Focal length in pixels of the source's frames.")] = None
+    focal: FocalOption = None
     rate: Annotated[float | None, typer.Option(
         "--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0, show_default="the video's own, else 10",
         help="Frames per second of the source.")] = None
@@ -96,6 +96,14 @@ class HoldWorld:
                         current=current, water=replace(PAPER, snow=self.snow), occluded=occluded, shoved=shoved)
 
 
+class Message(StrEnum):
+    """The messages of `MavlinkSink`, for the choice on the command line."""
+
+    delta = "delta"
+    estimate = "estimate"
+    odometry = "odometry"
+
+
 NO_SOURCE, WORLD_DEFAULTS = HoldSource(), HoldWorld()
 
 
@@ -107,8 +115,13 @@ def hold(
     range_m: Annotated[float | None, typer.Option(
         "--range", min=0.1, show_default="measured by stereo in simulation; 2.0 for a source",
         help="Range at the start that the measurements assume, metres: the offsets scale with it.")] = None,
-    mavlink: Annotated[str | None, typer.Option("--mavlink", help="Send VISION_POSITION_DELTA at 10 Hz, in real time, "
-                                                "to udpout:HOST:PORT.", show_default=False)] = None,
+    mavlink: MavlinkOption = None,
+    message: Annotated[Message, typer.Option(
+        "--message", rich_help_panel=AUTOPILOT, help="What is sent: VISION_POSITION_DELTA at up to 10 Hz, or at up to "
+        "30 Hz VISION_POSITION_ESTIMATE or ODOMETRY.")] = Message.delta,
+    sense: Annotated[bool | None, typer.Option(
+        "--sense/--no-sense", rich_help_panel=AUTOPILOT, show_default="with a live source", help="Take roll, pitch, "
+        "yaw rate and range of the vehicle from the link: to level, to predict, and instead of --range.")] = None,
     board: BoardOptions = BOARD_DEFAULTS,
     simulation: HoldWorld = WORLD_DEFAULTS,
 ) -> None:
@@ -120,41 +133,15 @@ def hold(
     if recorded.source is None and (board.window != BOARD_DEFAULTS.window or recorded.focal or recorded.calibration
                                     or recorded.rate):
         raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
+    if sense and (recorded.source is None or mavlink is None):
+        raise SignumError("--sense belongs to a --source and to --mavlink")
     with Session("hold", board, output, recorded.source, recorded.calibration, recorded.rate) as run:
-        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink is not None else None, paced=not run.live)
+        sink = run.open(MavlinkSink(mavlink, message=message)) if mavlink is not None else None
+        autopilot = Autopilot(sink, paced=not run.live, sensing=run.live if sense is None else sense)
         if recorded.source is not None:
             _measure(run, recorded, seconds, range_m, autopilot)
         else:
             _fly(run, simulation.scenario(seconds or 60.0, range_m), autopilot)
-
-
-class Autopilot:
-    """Where readings are sent, if anywhere, in step with real time: a MAVLink receiver uses the times of arrival.
-
-    Args:
-        sink: of the messages.
-        paced: whether to wait for a reading's time, as a live source does by itself.
-    """
-
-    def __init__(self, sink: MavlinkSink | None, paced: bool) -> None:
-        self._sink, self._paced, self._start = sink, paced, time.monotonic()
-
-    def send(self, moment: float, reading: Reading) -> None:
-        """Send the reading of `moment` seconds, if paced once so many seconds have passed since the start."""
-        if self._sink is not None:
-            if self._paced:
-                time.sleep(max(0.0, self._start + moment - time.monotonic()))
-            self._sink.send(moment, reading)
-
-    @property
-    def said(self) -> str:
-        """How many messages were sent, and what was not, for the line on the outcome."""
-        if self._sink is None:
-            return ""
-        forward, right, _ = self._sink.lost
-        gaps = (f" ({self._sink.gaps} gaps of over {LONGEST_GAP_S:g} s not sent: {forward:+.3f} m ahead, "
-                f"{right:+.3f} m to the right)" if self._sink.gaps else "")
-        return f", {self._sink.sent} MAVLink messages{gaps}"
 
 
 def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
@@ -176,6 +163,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
 
     out.print(f"seed {scenario.seed}")
     moments = simulate_hold(run.measurer, scenario)
+    autopilot.begin(None)
     for k, m in enumerate(run.steps("holding", moments, round(scenario.seconds * scenario.rate))):
         record.add(str(k), m.time, m.reading, m.frame, m.features,
                    truth=(m.truth[0], m.truth[1], m.truth[3], m.range_m))
@@ -189,17 +177,17 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
 def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m: float | None,
              autopilot: Autopilot) -> None:
     """Open loop, on frames from elsewhere."""
+    sensors = Sensors(autopilot.at, ranged=range_m is None and autopilot.sensing)
+    if sensors.ranged:
+        autopilot.await_range()
     frames, fit = run.source, run.fit
+    autopilot.begin(run.first.time_s)
     rate = recorded.rate or frames.rate or FRAME_RATE
-    focal = recorded.focal
-    if focal is None and recorded.calibration is not None:
-        focal = float(read_mono(recorded.calibration)[0][0, 0])
-    if focal is None:
-        focal = VIEW * fit.source[0]
-        notes.print(f"no --focal or --calibration: taking {focal:.0f} px; metres scale with it")
+    focal = focal_px(recorded.focal, recorded.calibration, fit.source[0], "metres scale")
     if range_m is None:
-        range_m = GUESS_M
-        notes.print(f"no --range: taking {range_m:g} m; metres scale with it")
+        range_m = autopilot.range_m or GUESS_M
+        notes.print(f"no --range: {range_m:.2f} m by the vehicle's range finder" if autopilot.range_m else
+                    f"no --range: taking {range_m:g} m; metres scale with it")
     total = frames.count
     if seconds is not None:
         total = min(round(seconds * rate), total or round(seconds * rate))
@@ -213,11 +201,17 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
                    head(page, run.about()))
 
     window = run.chosen.window
-    seen_ones = watch_station(run.measurer(fit.board), run.frames(), fit, focal, range_m, rate, window, seconds)
+    seen_ones = watch_station(run.measurer(fit.board), run.frames(), fit, focal, range_m, rate, window, seconds,
+                              sensors)
+    references = 0
     for seen in run.steps("measuring", seen_ones, total):
         record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
         run.report = report
         autopilot.send(seen.time, seen.reading)
+        if seen.reading.valid and seen.reading.reference > references:
+            references = seen.reading.reference
+            notes.print(f"frame {seen.name}: range {seen.reading.range_m:.2f} m by the vehicle's range finder; metres "
+                        "before this frame are by another")
         run.refused["no reading"] += not seen.reading.valid
         run.tell(_word(seen.reading))
 

@@ -13,7 +13,7 @@ import typer
 
 from golden.params import MAX_SIGMA, MIN_SIGMA
 
-SOURCE, BOARD, OUTPUT, SIMULATION = "Source", "Board", "Output", "Simulation"
+SOURCE, BOARD, OUTPUT, SIMULATION, AUTOPILOT = "Source", "Board", "Output", "Simulation", "Autopilot"
 """Groups of options that several commands have."""
 GIVEN: ContextVar[str] = ContextVar("options", default="")
 """The options of the command at work as its command line takes them, with the defaults of those that were not given."""
@@ -31,6 +31,9 @@ SourceArgument = Annotated[str, typer.Argument(
 CalibrationOption = Annotated[Path | None, typer.Option(
     "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, "
     "image_width, image_height): lens distortion is taken out of every frame.")]
+FocalOption = Annotated[float | None, typer.Option(
+    "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",
+    help="Focal length in pixels of the source's frames.")]
 OutOption = Annotated[Path, typer.Option("--out", rich_help_panel=OUTPUT,
                                          help="Folder for the files that are written; made if missing.")]
 BoardOption = Annotated[BoardName, typer.Option(
@@ -45,6 +48,9 @@ SecondsOption = Annotated[float | None, typer.Option(
     "--seconds", min=1.0, show_default="60; a source's whole length", help="Length of the run.")]
 SeedOption = Annotated[int, typer.Option("--seed", rich_help_panel=SIMULATION, min=0,
                                          help="Seed of all that is random in the simulated world.")]
+MavlinkOption = Annotated[str | None, typer.Option(
+    "--mavlink", rich_help_panel=AUTOPILOT, show_default=False, help="Send what is measured, in real time, over "
+    "MAVLink to udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT or serial:DEVICE:BAUD.")]
 MegapixelsOption = Annotated[float, typer.Option(
     "--megapixels", rich_help_panel=SOURCE, min=0.001, max=1e6,
     help="Largest picture that is decoded, millions of pixels; its size is checked before.")]

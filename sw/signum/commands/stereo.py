@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated
@@ -13,12 +15,15 @@ import numpy as np
 import tifffile
 import typer
 
+from signum.applications.mavlink.distance import DistanceSink
 from signum.commands.app import command
-from signum.commands.options import SOURCE, BoardOptions, OutOption
+from signum.commands.autopilot import InStep
+from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, MavlinkOption, OutOption
 from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
 from signum.common.files import name_part, replacing, write_picture
+from signum.frames.clock import FRAME_RATE
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
@@ -54,7 +59,60 @@ class DisparityOptions:
         return low, high
 
 
-DISPARITY_DEFAULTS = DisparityOptions()
+class Facing(StrEnum):
+    """The directions of `distance.FACING`, for the choice on the command line."""
+
+    down = "down"
+    forward = "forward"
+
+
+@dataclass(frozen=True)
+class RangeOptions:
+    """Where ranges are sent."""
+
+    mavlink: MavlinkOption = None
+    facing: Annotated[Facing, typer.Option("--facing", rich_help_panel=AUTOPILOT,
+                                           help="Where the cameras look.")] = Facing.down
+    rate: Annotated[float | None, typer.Option(
+        "--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0, show_default="10", help="Pairs per second of sources "
+        "whose frames have no times.")] = None
+
+
+DISPARITY_DEFAULTS, TOLD_DEFAULTS = DisparityOptions(), RangeOptions()
+
+
+class RangeTeller(InStep):
+    """Sends the distances that pairs show, if anywhere, in step with real time.
+
+    Args:
+        run: the session, whose source is live or is played in real time.
+        told: where to.
+        search: for disparities.
+        geometry: of the rectified pair; given where anything is sent.
+    """
+
+    def __init__(self, run: Session, told: RangeOptions, search: DisparityOptions, geometry: StereoGeometry | None
+                 ) -> None:
+        self._sink, self._geometry, self._sent = None, geometry, 0
+        self._rate, self._origin = told.rate or run.source.rate or FRAME_RATE, 0.0
+        if told.mavlink is not None and geometry is not None:
+            far, near = (geometry.focal * geometry.baseline / max(d * run.fit.factor[0] + geometry.shift, 1.0)
+                         for d in search.disparities(run.fit))
+            across, down = (2 * math.atan(side / 4 / geometry.focal) for side in run.fit.source)
+            self._sink = run.open(DistanceSink(told.mavlink, told.facing, (near, far), (across, down)))
+        super().__init__(self._sink, paced=not run.live)
+
+    def send(self, time_s: float | None, found: RangeMap) -> None:
+        """Send the distance of a pair, in original pixels, at its time."""
+        if self._sink is None or self._geometry is None:
+            return
+        if not self._sent:
+            self._origin = time_s or 0.0
+            self.begin(time_s)
+        moment = self._sent / self._rate if time_s is None else time_s - self._origin
+        self._sent += 1
+        self.wait(moment)
+        self._sink.send(moment, self._geometry.depth(found.disparity))
 
 
 @command()
@@ -71,8 +129,10 @@ def stereo(
     output: OutOption = Path("out/stereo"),
     board: BoardOptions = BOARD_DEFAULTS,
     search: DisparityOptions = DISPARITY_DEFAULTS,
+    told: RangeOptions = TOLD_DEFAULTS,
 ) -> None:
-    """Range from a stereo pair: `range.png`, `range.tiff`, `points.ply`, `disparity.csv`, `report.html`.
+    """Range from a stereo pair: `range.png`, `range.tiff`, `points.ply`, `disparity.csv`, `report.html`; to an
+    autopilot, DISTANCE_SENSOR.
 
     Of folders and videos every frame's files carry its name, `range_0001.png`.
 
@@ -80,22 +140,27 @@ def stereo(
     """
     rig = read_stereo(calibration) if calibration is not None else None
     geometry = rig.geometry if rig else None
+    if told.mavlink and geometry is None:
+        raise SourceError("--mavlink: without a --calibration there is no range to send")
     shares: list[float] = []
-    session, other = Session("stereo", board, output, left), open_source(right)
+    session, other = Session("stereo", board, output, left, rate=told.rate), open_source(right)
     with session as run:
+        teller = RangeTeller(run, told, search, geometry)
         pairs = _pairs(run, other, None if rectified else rig)
         run.page()
         table = run.table("disparity.csv", DISPARITY)
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
-                               "valid")
+                               f"valid{teller.said}")
         for frame, pair in run.steps("stereo", pairs, run.source.count):
             measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
             found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
                                   (board.window, board.window), search.step)
+            whole = found.to_source(run.fit)
+            teller.send(frame.time_s, whole)
             ending = "" if run.source.count == 1 else f"_{name_part(frame.name)}"
             _write(run, ending, run.fit, found, geometry, shown[0])
-            for line in disparity_rows(frame, found.to_source(run.fit), geometry):
+            for line in disparity_rows(frame, whole, geometry):
                 table.write(line)
             run.refused.update(found.refused)
             shares.append(float(found.valid.mean()))

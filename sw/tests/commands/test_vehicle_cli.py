@@ -140,6 +140,8 @@ def test_stopped_by_the_user(tmp_path: Path, film: list[np.ndarray], monkeypatch
 
 @pytest.mark.parametrize(("arguments", "says"), [
     (("hold", "--mavlink", "udpout:nowhere"), "write it as udpout:HOST:PORT"),
+    (("hold", "--mavlink", "tcp:127.0.0.1:9"), "Connection refused"),
+    (("hold", "--mavlink", "udpout:127.0.0.1:9"), "connection refused"),
     (("hold", "--focal", "300"), "belong to a --source"),
     (("hold", "--source", "{}/nothing.mp4"), "no such file"),
     (("hold", "--source", "{}/grey.npy"), "begin where the picture shows texture"),

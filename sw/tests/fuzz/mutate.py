@@ -24,13 +24,15 @@ VALUES = ("inf", "-inf", "nan", "1e308", "-1e308", "0", "-1", "-0.0", "1e-308", 
           "\udcff", "x" * 5000, "\u202e")
 OPTIONS = {
     "flow": ("--step", "--reach", "--pictures", "--sigma", "--window", "--calibration", "--out", "--board",
-             "--megapixels"),
+             "--megapixels", "--mavlink", "--focal", "--rate"),
     "track": ("--features", "--sigma", "--window", "--calibration", "--out", "--megapixels"),
     "mosaic": ("--range", "--focal", "--epsg", "--navigation", "--start", "--rate", "--truth", "--columns", "--sigma",
                "--window", "--out"),
-    "hold --source": ("--range", "--focal", "--rate", "--seconds", "--sigma", "--window", "--calibration", "--mavlink"),
+    "hold --source": ("--range", "--focal", "--rate", "--seconds", "--sigma", "--window", "--calibration", "--mavlink",
+                      "--message"),
     "follow --source": ("--rate", "--seconds", "--nearer", "--sigma", "--window", "--calibration", "--right"),
-    "stereo": ("--most", "--least", "--step", "--sigma", "--window", "--calibration"),
+    "stereo": ("--most", "--least", "--step", "--sigma", "--window", "--calibration", "--mavlink", "--rate",
+               "--facing"),
     "filter": ("--sigma", "--window", "--out", "--megapixels"),
     "navigate": ("--goto", "--sigma", "--window", "--calibration"),
 }

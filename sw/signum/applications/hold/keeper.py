@@ -30,11 +30,20 @@ SAFE_SHARE = 0.6
 
 @dataclass(frozen=True)
 class Sensed:
-    """What the vehicle's own sensors measure at the time of a frame: roll, pitch, pan and tilt, radians; yaw rate,
-    radians per second, None without a gyro."""
+    """What the vehicle's own sensors measure at the time of a frame.
 
-    level: Level = UPRIGHT
+    Attributes:
+        level: roll, pitch, pan and tilt, radians; None where there is no attitude sensor, and the camera is taken to
+            look straight down.
+        yaw_rate: radians per second, the mean since the frame before; None without a gyro.
+        range_m: of the seafloor straight below, metres; None without a range finder.
+        in_step: whether the gyro is as exactly in step with the frames that readings may be judged by it.
+    """
+
+    level: Level | None = None
     yaw_rate: float | None = None
+    range_m: float | None = None
+    in_step: bool = True
 
 
 @dataclass
@@ -79,15 +88,27 @@ class StationKeeper:
         heading = self._offset.heading + (sensed.yaw_rate or 0.0) * dt
         if self.blind:
             self.meter.expect(replace(self._offset, heading=heading))
-        reading = self.meter.read(live, sensed.level, WIDEN_MOST_PX if self._gave_up else wide)
+        else:
+            self.meter.turn((sensed.yaw_rate or 0.0) * dt)
+        level = sensed.level or UPRIGHT
+        reading = self.meter.read(live, level, WIDEN_MOST_PX if self._gave_up else wide)
         offset = reading if reading.valid else self._by_substitute(live, sensed, wide)
         if offset is None:
             return reading, self._without_sight(live, sensed, heading, dt)
         self.blind = 0
         self._gave_up = self._gave_up and not reading.valid
         self._offset = offset
-        self._renew_substitute(live, reading, offset, sensed.level)
+        self._renew_substitute(live, reading, offset, level)
         return self._checked(reading, sensed, dt), self._loops.step(self._errors(offset), dt)
+
+    def rescale(self, ratio: float) -> None:
+        """Take all ranges to be `ratio` times as large; the metres of readings change with them."""
+        self.meter.rescale(ratio)
+        self._offset = self._offset.scaled(ratio)
+        if self._substitute is not None:
+            meter, base = self._substitute
+            meter.rescale(ratio)
+            self._substitute = meter, base.scaled(ratio)
 
     def _without_sight(self, live: View, sensed: Sensed, heading: float, dt: float) -> Floats:
         """Forces for a view in which neither reference is found."""
@@ -95,7 +116,7 @@ class StationKeeper:
         self.blind += 1
         self._offset = replace(self._offset, heading=heading)
         if self.blind == GIVE_UP_FRAMES:  # the way back is lost: at least stay here
-            self._take_substitute(live, Reading(range_m=self.meter.range_m), sensed.level)
+            self._take_substitute(live, Reading(range_m=self.meter.range_m), sensed.level or UPRIGHT)
             self._gave_up = True
         else:
             self.meter.measurer.release(live)
@@ -105,7 +126,7 @@ class StationKeeper:
     def _checked(self, reading: Reading, sensed: Sensed, dt: float) -> Reading:
         """The reading, without confidence where its heading differs from the gyro's: a few windows at the edge of the
         view, displaced by relief, rotate the fit a little more with every frame, which the gyro does not measure."""
-        if sensed.yaw_rate is None:
+        if sensed.yaw_rate is None or not sensed.in_step:
             return reading
         self._by_gyro += sensed.yaw_rate * dt
         if not reading.valid:
@@ -128,7 +149,7 @@ class StationKeeper:
         if self._substitute is None:
             return None
         meter, base = self._substitute
-        reading = meter.read(live, sensed.level, wide)
+        reading = meter.read(live, sensed.level or UPRIGHT, wide)
         if not reading.valid:
             return None
         offset = reading.after(base)

@@ -18,6 +18,7 @@ import cmath
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.hold.fit_error import FitError
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.common.arrays import Floats
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
@@ -31,6 +32,8 @@ MAX_TURN_ERROR = 0.01
 """Standard error of the fitted rotation, radians, above which a reading has no confidence."""
 LEAST_NOISE_PX = 1.0
 """Lower bound of the windows' residual in that error, pixels: the residual of a few windows may be small by chance."""
+LEAST_FIT_PX = 0.1
+"""Lower bound of the residual in the errors that a reading states, pixels: what a single window is good for."""
 
 
 class StationMeter:
@@ -44,6 +47,9 @@ class StationMeter:
         window: side of the feature windows, pixels.
         features: largest number of features.
         reach: half side of the search range around a predicted position, pixels.
+
+    Attributes:
+        changes: of the reference view or its range since the first view.
     """
 
     def __init__(self, measurer: Measurer, focal: float, range_m: float, window: int = 64, features: int = 12,
@@ -51,6 +57,7 @@ class StationMeter:
         self.measurer, self.focal, self.range_m = measurer, focal, range_m
         self.window, self.features, self.reach = window, features, reach
         self.least = max(3, features // 3)
+        self.changes = -1
         self._reference: View | None = None
         self._centres: list[tuple[int, int]] = []
         self._anchors: Floats = np.zeros((0, 2))
@@ -76,6 +83,7 @@ class StationMeter:
         are kept.
         """
         self.release()
+        self.changes += 1
         self._reference = view
         width, height = self.measurer.size
         half = self.window // 2
@@ -96,6 +104,16 @@ class StationMeter:
         turn = cmath.exp(-1j * offset.heading)
         self._last = Similarity(zoom * turn, -moved * (self.focal / offset.range_m) * turn)
         self._drift = 0j
+
+    def turn(self, heading: float) -> None:
+        """Expect the vehicle to have turned on the spot since the last reading, radians, clockwise seen from above."""
+        back = cmath.exp(-1j * heading)
+        self._last = Similarity(self._last.factor * back, self._last.shift * back)
+
+    def rescale(self, ratio: float) -> None:
+        """Take all ranges to be `ratio` times as large; offsets in metres change with them."""
+        self.range_m *= ratio
+        self.changes += 1
 
     def read(self, live: View, level: Level = UPRIGHT, wide: int = 0) -> Reading:
         """Measure a live view.
@@ -128,9 +146,9 @@ class StationMeter:
         start, _ = vote(anchors, found, TOLERANCE_PX, 45.0, 1.6, 1.5 * self.window)
         result = fit(anchors, found, start, TOLERANCE_PX)
         agreed = int(result.agree.sum())
-        agreeing = anchors[result.agree]
+        agreeing, seen = anchors[result.agree], found[result.agree]
         if (agreed < self.least or 2 * agreed < len(keep) or not result.turning
-                or _turn_error(agreeing, found[result.agree], result.similarity) > MAX_TURN_ERROR):
+                or FitError.of(agreeing, seen, result.similarity, LEAST_NOISE_PX).turn > MAX_TURN_ERROR):
             self._drift = 0j
             return Reading(agreed=agreed, tried=visible)
         similarity = result.similarity
@@ -138,7 +156,8 @@ class StationMeter:
         self._drift = step if abs(step) < self.reach else 0j
         self._last = similarity
         score = float(np.median([answers[i].score for i, good in zip(keep, result.agree, strict=True) if good]))
-        return self._reading(similarity, agreed, max(visible, agreed), score)
+        return self._reading(similarity, agreed, max(visible, agreed), score,
+                             FitError.of(agreeing, seen, similarity, LEAST_FIT_PX))
 
     def features_at(self, level: Level = UPRIGHT) -> Floats:
         """Positions of the features by the last reading or `expect`: pixels (n, 2) of the frame."""
@@ -148,14 +167,15 @@ class StationMeter:
         """Position of the ground point below the station, in the same form: pixel (2,) of the frame."""
         return np.asarray(self._tilted(self._last(np.zeros((1, 2))), level)[0])
 
-    def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float) -> Reading:
+    def _reading(self, similarity: Similarity, agreed: int, tried: int, score: float, error: FitError) -> Reading:
         """Equations 4 to 7 without the small-angle approximation."""
         zoom, heading = similarity.scale, -cmath.phase(similarity.factor)
         range_m = self.range_m / zoom
         moved = -similarity.shift * (range_m / self.focal) * cmath.exp(1j * heading)
         share = agreed / tried
         confidence = round(100 * min(1.0, share * min(1.0, (score - 0.5) / 0.25)))
-        return Reading(-moved.imag, moved.real, heading, zoom, range_m, max(confidence, 1), agreed, tried)
+        return Reading(-moved.imag, moved.real, heading, zoom, range_m, max(confidence, 1), agreed, tried,
+                       error.shift_px * range_m / self.focal, error.turn, error.turn * range_m, self.changes)
 
     def _levelled(self, points: Floats, level: Level) -> Floats:
         """Pixels from the image centre in a level camera of what this camera sees at `points`."""
@@ -173,14 +193,6 @@ class StationMeter:
     def _visible(self, points: Floats) -> NDArray[np.bool_]:
         half = self.window / 2
         return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
-
-
-def _turn_error(anchors: Floats, found: Floats, similarity: Similarity) -> float:
-    """Standard error of the fitted rotation, radians; large for few windows on a small part of the image."""
-    miss = found - similarity(anchors)
-    noise = max(LEAST_NOISE_PX, float(np.sqrt((miss**2).sum() / max(2 * len(anchors) - 4, 1))))
-    lever = float(np.sqrt(((anchors - anchors.mean(axis=0))**2).sum()))
-    return noise / max(lever, 1e-6)
 
 
 def _spread(order: list[int], places: list[tuple[int, int]], count: int) -> list[int]:

@@ -43,6 +43,11 @@ class Reading:
         confidence: 0 to 100; where it is 0, no other field is valid.
         agreed: features that agree.
         tried: features searched for.
+        offset_error: standard error of `forward` and of `right` by the fit, metres; that of the assumed range, which
+            scales them, is not in it.
+        heading_error: of `heading`, radians.
+        range_error: of `range_m`, metres, in the same way.
+        reference: number of times that what is measured against has changed, or its range.
     """
 
     forward: float = 0.0
@@ -53,11 +58,20 @@ class Reading:
     confidence: int = 0
     agreed: int = 0
     tried: int = 0
+    offset_error: float = 0.0
+    heading_error: float = 0.0
+    range_error: float = 0.0
+    reference: int = 0
 
     @property
     def valid(self) -> bool:
         """Whether the offset may be used."""
         return self.confidence > 0
+
+    def scaled(self, ratio: float) -> Reading:
+        """This reading where all ranges, and so all metres, are `ratio` times as large."""
+        return replace(self, forward=self.forward * ratio, right=self.right * ratio, range_m=self.range_m * ratio,
+                       offset_error=self.offset_error * ratio, range_error=self.range_error * ratio)
 
     def since(self, base: Reading) -> Reading:
         """This reading relative to a reference taken at `base`: the inverse of `after`."""

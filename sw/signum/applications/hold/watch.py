@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 from signum.applications.hold.keeper import Sensed, StationKeeper
 from signum.applications.hold.meter import StationMeter
-from signum.applications.hold.reading import Reading
+from signum.applications.hold.reading import UPRIGHT, Reading
 from signum.common.arrays import Floats, Image
 from signum.common.errors import SourceError
 from signum.frames.fit import Fit
@@ -27,8 +27,26 @@ class StationFrame:
     features: Floats
 
 
+@dataclass(frozen=True)
+class Sensors:
+    """The vehicle's own.
+
+    Attributes:
+        at: what they measure at a time, seconds after the first frame.
+        ranged: whether their range is taken: that of the first frame, else of the first with a reading, from which on
+            the metres are by it.
+    """
+
+    at: Callable[[float], Sensed] = lambda time: Sensed()
+    ranged: bool = False
+
+
+NO_SENSORS = Sensors()
+
+
 def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float,
-                  rate: float, window: int = 64, seconds: float | None = None) -> Iterator[StationFrame]:
+                  rate: float, window: int = 64, seconds: float | None = None, sensors: Sensors = NO_SENSORS
+                  ) -> Iterator[StationFrame]:
     """Measure frames against the first of them.
 
     Meter and search are those of the closed loop. Control forces are computed and discarded. Without an attitude sensor
@@ -40,12 +58,14 @@ def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit
         focal: pixels of the frames. range_m: to the scene in the first frame, metres.
         rate: frames per second, where frames have no times.
         seconds: after the first frame at which to end, None for never.
+        sensors: of the vehicle.
 
     Raises:
         SourceError: if the first frame has too little texture.
     """
     meter = StationMeter(measurer, focal / fit.factor[0], range_m, window)
     keeper: StationKeeper | None = None
+    ranged = sensors.ranged
     first, last = 0.0, -1 / rate
     for k, frame in enumerate(frames):
         if k == 0:
@@ -53,12 +73,18 @@ def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit
         time = k / rate if frame.time_s is None else frame.time_s - first
         if seconds is not None and time >= seconds - 1e-6:
             return
-        picture = fit.show(frame.picture)
+        picture, sensed = fit.show(frame.picture), sensors.at(time)
         if keeper is None:
-            if meter.anchor(measurer.view(picture)) < meter.least:
+            if ranged and sensed.range_m is not None:
+                meter.range_m, ranged = sensed.range_m, False
+            if meter.anchor(measurer.view(picture), sensed.level or UPRIGHT) < meter.least:
                 raise SourceError(f"frame {frame.name}: only {meter.offered} of the {meter.least} features needed: "
                                   "begin where the picture shows texture, or choose another --window or --sigma")
             keeper = StationKeeper(meter)
-        reading, _ = keeper.step(measurer.view(picture), Sensed(), time - last)
+        reading, _ = keeper.step(measurer.view(picture), sensed, time - last)
+        if ranged and reading.valid and sensed.range_m is not None:
+            ratio, ranged = sensed.range_m / reading.range_m, False
+            keeper.rescale(ratio)
+            reading = replace(reading.scaled(ratio), reference=meter.changes)
         last = time
-        yield StationFrame(frame.name, time, reading, picture, meter.features_at())
+        yield StationFrame(frame.name, time, reading, picture, meter.features_at(sensed.level or UPRIGHT))

@@ -1,27 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Station keeping: the equations, the closed loop under current, surge, snow, occlusion and shove, and MAVLink."""
+"""Station keeping: the equations, the closed loop under current, surge, snow, occlusion and shove."""
 
 from __future__ import annotations
 
 import math
-import sys
-from typing import Any
 
 import numpy as np
 import pytest
-from pymavlink import mavutil
 
 from signum.applications.hold.body_pid import Axes
 from signum.applications.hold.judge import judge_hold
 from signum.applications.hold.keeper import Sensed, StationKeeper
-from signum.applications.hold.mavlink import MavlinkSink
 from signum.applications.hold.meter import StationMeter
-from signum.applications.hold.reading import Level, Reading
+from signum.applications.hold.reading import Level
 from signum.applications.hold.simulate import Scenario, simulate_hold
 from signum.applications.hold.tuning import PEAK, peaks, tune
 from signum.applications.pid import Gains, Pid
 from signum.boards.golden import GoldenBoard
-from signum.common.errors import SignumError
 from signum.measure.measurer import Measurer
 from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
@@ -147,93 +142,6 @@ def test_a_lost_target_is_found_again() -> None:
     assert any(not m.reading.valid for m in moments)
     assert judge_hold(moments, settle=0.0).wrong == 0
     assert moments[-1].reading.valid and away[-20:].max() < 0.06
-
-
-def test_mavlink_is_received() -> None:
-    receiver = mavutil.mavlink_connection("udpin:127.0.0.1:0")
-    port = receiver.port.getsockname()[1]
-    path = [Reading(0.1 * k, -0.05 * k, 0.0, 1.0, 2.0 - 0.01 * k, 90) for k in range(4)] + [Reading()]
-    with MavlinkSink(f"udpout:127.0.0.1:{port}") as sink:
-        for k, reading in enumerate(path):
-            sink.send(0.1 * k, reading)
-        got = [receiver.recv_match(type="VISION_POSITION_DELTA", blocking=True, timeout=5) for _ in range(sink.sent)]
-    receiver.close()
-    assert sink.sent == 3 and all(got), "nothing of the reading that is not valid"
-    assert [g.time_usec for g in got] == [100000, 200000, 300000]
-    assert got[0].time_delta_usec == 100000
-    assert got[0].position_delta == pytest.approx([0.1, -0.05, 0.01], abs=1e-6)
-    assert got[0].confidence == 90
-
-
-def _flown(times: list[float], readings: list[Reading]) -> tuple[MavlinkSink, list[Any]]:
-    """A sink after these readings, and the messages that arrived."""
-    receiver = mavutil.mavlink_connection("udpin:127.0.0.1:0")
-    with MavlinkSink(f"udpout:127.0.0.1:{receiver.port.getsockname()[1]}") as sink:
-        for time, reading in zip(times, readings, strict=True):
-            sink.send(time, reading)
-    got = [receiver.recv_match(type="VISION_POSITION_DELTA", blocking=True, timeout=5) for _ in range(sink.sent)]
-    assert receiver.recv_match(blocking=True, timeout=0.1) is None
-    receiver.close()
-    return sink, got
-
-
-def _summed(got: list[Any], heading: float) -> list[float]:
-    """Position and heading by the autopilot's integration, from the first reading's heading."""
-    place = [0.0, 0.0, heading]
-    for g in got:
-        c, s = math.cos(place[2]), math.sin(place[2])
-        place[0] += c * g.position_delta[0] - s * g.position_delta[1]
-        place[1] += s * g.position_delta[0] + c * g.position_delta[1]
-        place[2] += g.angle_delta[2]
-    return place
-
-
-@pytest.mark.parametrize(("blind", "gaps"), [(0.4, 0), (2.0, 1)])
-def test_mavlink_loses_no_change_over_a_gap_and_names_what_it_does_not_send(blind: float, gaps: int) -> None:
-    """At 30 frames a second; the vehicle turns and moves while nothing is seen."""
-    path = [Reading(0.02 * k, -0.01 * k, 0.03 * k, 1.0, 2.0, 90) for k in range(40)]
-    times = [k / 30 + (blind if k >= 20 else 0.0) for k in range(40)]
-    sent = [*zip(times[:20], path[:20], strict=True),
-            *((times[19] + blind * k / 4, Reading()) for k in range(1, 4)), *zip(times[20:], path[20:], strict=True)]
-    sink, got = _flown([t for t, _ in sent], [r for _, r in sent])
-    assert all(g.confidence == 90 for g in got) and sink.gaps == gaps
-    after = next(g for g in got if g.time_usec > 1e6 * (times[19] + 1e-3))
-    if not gaps:
-        assert after.time_delta_usec == round(1e6 * (times[20] - times[19]))
-        assert after.angle_delta[2] == pytest.approx(0.03)
-        assert not sink.lost.any()
-    else:
-        assert sink.lost == pytest.approx([0.02, -0.01, 0.03])
-        assert after.time_delta_usec < 150000
-    held = _summed(got[:next(k for k, g in enumerate(got) if g is after)], 0.0)
-    assert held == pytest.approx([path[19].forward, path[19].right, path[19].heading], abs=1e-5)
-    rest = [held[k] + sink.lost[k] for k in range(3)]
-    there = _summed(got[got.index(after):], rest[2])
-    assert [rest[0] + there[0], rest[1] + there[1], there[2]] == pytest.approx(
-        [path[-1].forward, path[-1].right, path[-1].heading], abs=1e-5)
-
-
-@pytest.mark.parametrize(("address", "says"), [
-    ("udpout:no-such-host.invalid:14550", "host no-such-host.invalid is not known"),
-    ("udpout:127.0.0.1:99999", "a port is a number from 1 to 65535"),
-    ("/dev/no-such-port", "a serial port needs the package serial")])
-def test_mavlink_refuses_an_address_that_nobody_has(address: str, says: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "serial", None)
-    with pytest.raises(SignumError, match=says):
-        MavlinkSink(address)
-
-
-def test_mavlink_keeps_ten_a_second_whatever_the_frame_rate() -> None:
-    receiver = mavutil.mavlink_connection("udpin:127.0.0.1:0")
-    port = receiver.port.getsockname()[1]
-    with MavlinkSink(f"udpout:127.0.0.1:{port}") as sink:
-        for k in range(76):
-            sink.send(k / 25, Reading(0.01 * k, 0.0, 0.0, 1.0, 2.0, 80))
-        got = [receiver.recv_match(type="VISION_POSITION_DELTA", blocking=True, timeout=5) for _ in range(sink.sent)]
-    receiver.close()
-    assert 29 <= sink.sent <= 30
-    assert sum(g.position_delta[0] for g in got) == pytest.approx(0.01 * 25 * got[-1].time_usec / 1e6, abs=1e-5)
-    assert np.diff([g.time_usec for g in got]).max() <= 120000
 
 
 def test_the_gains_are_those_of_the_stated_method() -> None:
