@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 from signum.boards import open_board
 from signum.boards.board import Board
 from signum.commands.options import GIVEN, BoardName, BoardOptions
-from signum.commands.outputs import Outputs, identity, lock
+from signum.commands.outputs import PAGE, Outputs, identity, lock
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.version import VERSION
@@ -127,6 +127,10 @@ class Session:
         """The path of a file in the folder that the command is going to write; see `Outputs.file`."""
         return self.outputs.file(name)
 
+    def page(self) -> Path:
+        """The path of the report, which the command is going to write; call it before anything else is written."""
+        return self.file(PAGE)
+
     def lock(self) -> None:
         """Lock the folder until the session's end, without a record of the files in it; made if missing."""
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -139,7 +143,7 @@ class Session:
 
     @cached_property
     def _frames(self) -> Iterator[Frame]:
-        return timed(self.source, self.source.label, self._rate)
+        return self.frames_again()
 
     @cached_property
     def fit(self) -> Fit:
@@ -164,6 +168,10 @@ class Session:
     def frames(self) -> Iterator[Frame]:
         """The source's frames from the first, without a progress line."""
         return chain([self.first], self._frames)
+
+    def frames_again(self) -> Iterator[Frame]:
+        """The source's frames once more, if it is not live."""
+        return timed(self.source, self.source.label, self._rate)
 
     def steps(self, what: str, items: Iterable[T], total: int | None) -> Iterator[T]:
         """The items, with a progress line until the last; `tell` advances it."""

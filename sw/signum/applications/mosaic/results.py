@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Callable
 
@@ -12,15 +10,16 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
-from signum.applications.mosaic.georeference import Georeference, world_of, write_geotiff, write_world_file
+from signum.applications.mosaic.georeference import Georeference, ground_lines, world_of
+from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
 from signum.geometry.similarity import IDENTITY
-from signum.tables.cells import neutral_row
 from signum.tables.schemas import POSES
+from signum.tables.table import csv_line
 
 THUMB = 240
 """Longer side of the copies the growing mosaic is made of, pixels."""
@@ -36,12 +35,16 @@ class Results:
 
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
+        cog: whether these are Cloud Optimized GeoTIFFs.
+        grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
     """
 
     def __init__(self, ledger: Ledger) -> None:
         self._ledger = ledger
         self.ground: Grounding | None = None
+        self.cog = False
+        self.grounded: list[str] = []
         self.trouble = ""
         self._sizes: list[str] = []
         self._thumbs: dict[str, Image] = {}
@@ -59,11 +62,8 @@ class Results:
         """Write the poses of all pieces."""
         pieces = self._ledger.ranked()
         for number, piece in enumerate(pieces, 1):
-            text = io.StringIO()
-            rows = csv.writer(text, lineterminator="\n")
-            rows.writerow(POSES)
-            rows.writerows(neutral_row(pose.row) for pose in self._ledger.poses(piece))
-            write_text(self._ledger.shelf.make(f"poses{suffix(number)}.csv"), text.getvalue())
+            rows = POSES, *(pose.row for pose in self._ledger.poses(piece))
+            write_text(self._ledger.shelf.make(f"poses{suffix(number)}.csv"), "".join(map(csv_line, rows)))
         self._drop(r"poses-(\d+)\.csv", set(range(1, len(pieces) + 1)))
 
     def write_growing(self) -> None:
@@ -77,7 +77,7 @@ class Results:
     def write_all(self) -> None:
         """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
-        self.trouble, self._sizes = "", []
+        self.trouble, self.grounded, self._sizes = "", [], []
         blended, grounded = set(), set()
         for number, piece in enumerate(self._ledger.ranked(), 1):
             if number == 1 or len(piece.stored) > 1:
@@ -102,14 +102,16 @@ class Results:
             try:
                 geo = self.ground(ledger.poses(piece), ledger.centre)
             except SignumError as error:
-                self.trouble = self.trouble or str(error)
+                of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
+                self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
         mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
             write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
-            write_geotiff(make(f"mosaic{ending}.tif"), mosaic, geo)
+            write_geotiff(path := make(f"mosaic{ending}.tif"), mosaic, geo, self.cog)
+            self.grounded += ground_lines(str(path), mosaic, geo)
         height, width = mosaic.picture.shape[:2]
         step = world_of(mosaic, geo)[0] if geo else 0.0
         self._sizes.append(f"mosaic{ending}.png {width}x{height} px"

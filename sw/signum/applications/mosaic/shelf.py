@@ -12,6 +12,7 @@ A frame's name is in the journal only: file names are numbers.
 from __future__ import annotations
 
 import json
+import re
 import zlib
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
@@ -21,7 +22,8 @@ from pathlib import Path
 from signum.applications.mosaic.journal import Journal, SurveyRun, key_of
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.common.files import decode_png, own_bytes, png, write_bytes, write_text
+from signum.common.files import UNFINISHED, decode_png, own_bytes, png, write_bytes, write_text
+from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Prepared, Registrar, Registration
 
@@ -29,6 +31,10 @@ KEPT = 48
 """Prepared frames held in memory."""
 RECORD, EDGES_FILE, JOURNAL = "run.json", "edges.csv", "frames/journal.txt"
 """Files of every survey."""
+ALWAYS = "poses.csv", "mosaic.png"
+"""Files that are made of every survey."""
+FILES = re.compile(r"run\.json|edges\.csv|accuracy\.csv|poses(-\d+)?\.csv|mosaic(-\d+)?\.(png|pgw|tif)")
+"""Names of the files that a survey writes, apart from those in `frames`."""
 
 
 class ResumeError(SignumError):
@@ -54,6 +60,7 @@ class Shelf:
         self.mended: list[str] = []
         self._run: SurveyRun | None = None
         self._finished, self._described = False, ""
+        self._recorded = False
         self._numbers: dict[str, int] = {}
         self._next = 0
         self._whole: set[int] = set()
@@ -69,11 +76,12 @@ class Shelf:
             (self.folder / name).unlink(missing_ok=True)
         self.journal.path.unlink(missing_ok=True)
         self.made, self._numbers, self._next, self.journal = set(), {}, 0, Journal(self.journal.path)
+        self._recorded = False
 
     def read(self) -> None:
         """Take in the journal, the record and the names of the frames."""
         found = read_record(self.folder)
-        self.made = set(found[2]) if found else set()
+        self.made, self._recorded = set(found[2]) if found else set(), found is not None
         self.journal.read()
         for number, (name, _) in self.journal.frames.items():
             self.call(number, name)
@@ -81,7 +89,7 @@ class Shelf:
     def begin(self, run: SurveyRun, finished: bool) -> None:
         """Open the journal, and write the record where it is another."""
         self.frames.mkdir(parents=True, exist_ok=True)
-        for half in self.frames.glob(".part-*"):  # of a write that a crash ended
+        for half in self.frames.glob(f"{UNFINISHED}[0-9]*.png"):  # of a write that a crash ended
             half.unlink()
         self._run = run
         self.describe(finished)
@@ -98,12 +106,13 @@ class Shelf:
         self._numbers[name] = number
         self._next = max(self._next, number + 1)
 
-    def take(self, name: str, picture: Image) -> None:
+    def take(self, frame: Frame) -> None:
         """Note a frame in the journal, before anything is measured on it; its picture stays in memory until `let_go`.
 
         Raises:
             ResumeError: if the frame was taken in before with another picture.
         """
+        name, picture = frame.name, frame.picture
         number, crc = self.number(name), zlib.crc32(picture.tobytes())
         before = self.journal.frames.get(number)
         if before is not None and picture.size and before[1] != crc:
@@ -111,7 +120,16 @@ class Shelf:
                               "in: give the same source, or start anew with --anew")
         self._at_hand[name] = picture
         if picture.size:
-            self.journal.frame(number, name, crc)
+            self.journal.frame(number, name, crc, frame.time_s)
+
+    def time(self, name: str) -> float | None:
+        """A frame's time on its source's clock, seconds; None if it has none."""
+        return self.journal.times.get(self.number(name))
+
+    @property
+    def begun_s(self) -> float | None:
+        """The time of the first frame that was taken in, seconds; None if it has none."""
+        return self.journal.times.get(min(self.journal.frames, default=-1))
 
     def let_go(self, names: set[str]) -> None:
         """Keep the pictures of these frames in memory, of no others."""
@@ -194,8 +212,15 @@ class Shelf:
         return self.frames / f"{number:06d}.png"
 
     def make(self, name: str) -> Path:
-        """The path of a file made of the survey, which is noted in the record before it is written."""
+        """The path of a file made of the survey, which is noted in the record before it is written.
+
+        Raises:
+            ResumeError: if there is a file of this name that the record of a continued survey does not name.
+        """
         if name not in self.made:
+            if self._recorded and name not in ALWAYS and (self.folder / name).exists():
+                raise ResumeError(f"{self.folder / name}: is there already, and this survey has not made it: move it "
+                                  "away and call again")
             self.made.add(name)
             self.describe(self._finished)
         return self.folder / name
@@ -224,10 +249,19 @@ def read_record(folder: Path) -> tuple[SurveyRun, bool, list[str]] | None:
     try:
         values = json.loads(own_bytes(folder / RECORD).decode())
         run = SurveyRun.read(values)
-        made = [name for name in values["made"] if isinstance(name, str) and name == Path(name).name]
+        made = [name for name in values["made"] if isinstance(name, str) and FILES.fullmatch(name)]
         return run, bool(values["finished"]), made
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError):
         return None
+
+
+def survey_files(folder: Path) -> list[str]:
+    """Names, relative to the folder, of what a survey there would replace: the files of one, and all that is in
+    `frames`."""
+    frames = folder / Path(JOURNAL).parent
+    stored = frames.iterdir() if frames.is_dir() else ()
+    return sorted([file.name for file in folder.iterdir() if FILES.fullmatch(file.name)]
+                  + [f"{frames.name}/{file.name}" for file in stored if not file.name.startswith(UNFINISHED)])
 
 
 def find_survey(folder: Path) -> SurveyRun | None:
