@@ -167,7 +167,7 @@ PROOFS: tuple[Proof, ...] = (
           "WordsPerRow": 8}, rules=("operands",), assumed=OPERANDS_USER, quick=False),
     Proof("peak_row", "slog_peak", "bmc", 48, {"ScoreBits": 2, "MaxOffsets": 3, "ScoreDepth": 3, "ResultDepth": 2},
           rules=("peak",), removed=PARTS_OWN, quick=False),
-    Proof("peak_rows_of_two", "slog_peak", "bmc", 48, {"ScoreBits": 2, "MaxOffsets": 2, "ScoreDepth": 6,
+    Proof("peak_rows_of_two", "slog_peak", "bmc", 54, {"ScoreBits": 2, "MaxOffsets": 2, "ScoreDepth": 6,
           "ResultDepth": 2}, rules=("peak",), removed=("*Slog*",), quick=False),
     Proof("peak_covers", "slog_peak", "cover", 56, {"ScoreBits": 2, "MaxOffsets": 3, "ScoreDepth": 3,
           "ResultDepth": 2}, rules=("peak",), removed=("*Slog*",), quick=False),
