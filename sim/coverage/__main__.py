@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from sim.building import digest
 from sim.coverage import exclusions, functional
 from sim.coverage.page import page
 from sim.coverage.points import merged
@@ -33,9 +34,16 @@ def record(jobs: int, only: list[str] | None = None) -> int:
 
     Args:
         jobs: processes.
-        only: test files instead of all regressions.
+        only: test files instead of all regressions; the records of the others stay if they are of the same RTL.
     """
-    shutil.rmtree(RECORDS, ignore_errors=True)
+    made_from = digest([], [source for source in sorted(RTL.rglob("*.sv*")) if source.is_file()])
+    stamp = RECORDS / "rtl"
+    if not only or not stamp.exists() or stamp.read_text() != made_from:
+        shutil.rmtree(RECORDS, ignore_errors=True)
+        RECORDS.mkdir(parents=True)
+        stamp.write_text(made_from)
+    for test in only or ():
+        shutil.rmtree(RECORDS / Path(test).stem, ignore_errors=True)
     environment = {**os.environ, VARIABLE: str(RECORDS), "PYTHONPATH": os.pathsep.join([str(ROOT / "sw"), str(ROOT)])}
     commands = [[sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "-p", "no:cacheprovider", f"--ignore={WITHOUT}",
                  *(only or TESTS)]]
@@ -52,9 +60,9 @@ def report(records: Path = RECORDS, out: Path = OUT) -> Verdict:
     Raises:
         ExclusionError: if the exclusions are not in order.
     """
-    hits = merged(sorted(records.glob("*.dat")), RTL)
+    hits = merged(sorted(records.rglob("*.dat")), RTL)
     reasons = exclusions.apply(exclusions.load(), hits)
-    met, plan = functional.collected(sorted(records.glob("*.json"))), functional.plan()
+    met, plan = functional.collected(sorted(records.rglob("*.json"))), functional.plan()
     verdict = judge(hits, reasons, met, plan)
     out.mkdir(parents=True, exist_ok=True)
     (out / "index.html").write_text(page(hits, reasons, met, plan, verdict))
@@ -69,7 +77,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="make coverage", description=__doc__)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--report", action="store_true", help="of the last records, without running anything")
-    parser.add_argument("--only", nargs="+", help="these test files instead of all")
+    parser.add_argument("--only", nargs="+", help="these test files again; the others' records are kept")
     given = parser.parse_args(arguments)
     failed = 0 if given.report else record(given.jobs, given.only)
     try:
