@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a run records for `make coverage`: Verilator's points, what the tests met, and how many outputs were compared.
 
-Nothing is recorded unless the environment variable `SIGNUM_COVERAGE` names a folder. Each test file has a folder of its own
-in it, so that one can be run again by itself.
+Nothing is recorded unless the environment variable `SIGNUM_COVERAGE` names a folder. Each test file has a folder of its
+own in it, so that one can be run again by itself.
 """
 
 from __future__ import annotations
