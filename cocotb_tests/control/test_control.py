@@ -53,7 +53,8 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
             held = {"active_i": rng.getrandbits(2) & -(rng.random() < 0.15), "job_level_i": rng.randrange(9),
                     "writing_i": rng.getrandbits(2) & -(rng.random() < 0.1), "slot_valid_i": rng.getrandbits(8),
                     "armed_i": rng.getrandbits(2), "refused_i": rng.getrandbits(1), "job_busy_i": rng.getrandbits(1),
-                    "result_level_i": rng.randrange(5), "work_i": rng.getrandbits(1), "result_valid_i": rng.getrandbits(1),
+                    "result_level_i": rng.randrange(5), "work_i": rng.getrandbits(1),
+                    "result_valid_i": rng.getrandbits(1),
                     "result_i": rng.getrandbits(189) & ~(-(rng.random() < 0.5) & 7 << 170)}
         done = bool(peek) and peek[0] == 0
         peek = [n - 1 for n in peek if n]

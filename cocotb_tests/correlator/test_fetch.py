@@ -80,7 +80,7 @@ def _tickets_taken(rng: random.Random, jobs: list[Job], source: str, sink: str, 
 
 
 @cocotb.test()
-@cocotb.parametrize(source=("none", "long"), sink=SHAPES)
+@cocotb.parametrize(source=("none", "random"), sink=SHAPES)
 async def every_clock(dut, source: str, sink: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
     jobs = mixed(rng, TINY, SIZE, VALID, 20, most_offsets=120)
@@ -138,6 +138,25 @@ async def latency(dut) -> None:
     assert at == {"ticket_valid_o": 14, "rd_valid_o": read, "wr_valid_o": read + STORE_LATENCY + align,
                   "tpl_done_o": read + 2 + STORE_LATENCY + align + 1,
                   "rows_written_o": read + 4 + PAUSE + 1 + STORE_LATENCY + align + 1}
+
+
+@cocotb.test()
+async def offered_at_any_time(dut) -> None:
+    """Refused jobs, each after a pause that is a clock longer: they wait for every time down to none."""
+    job = pack_job(Job(0, 5, 3, 8, 2, 2, 7, 4, 0, 2))
+    waits: list[int] = []
+
+    def script() -> Stimulus:
+        fixed = {"image_width_i": SIZE[0], "image_height_i": SIZE[1], "slot_valid_i": 0xFF, "ticket_ready_i": 1}
+        for pause in range(40):
+            for _ in range(pause):
+                yield fixed
+            waits.append(0)
+            while not (yield fixed | {"job_valid_i": 1, "job_i": job})["job_ready_o"]:
+                waits[-1] += 1
+
+    await check_cycles(dut, FetchModel(TINY), script())
+    assert {0, 1, 2, 8} <= set(waits) and waits[-1] == 0
 
 
 @cocotb.test()

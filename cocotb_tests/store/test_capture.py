@@ -243,7 +243,8 @@ async def second_queue_full(dut) -> None:
             yield {}
         for k in range(p["SlotWords"]):
             column = k % p["WordsPerRow"]
-            yield {"word_valid_i": both, "word_data_i": k | (128 + k) << p["GroupBits"],
+            data = sum(128 * c + k << c * p["GroupBits"] for c in range(p["Cameras"]))
+            yield {"word_valid_i": both, "word_data_i": data,
                    "word_last_i": both * (column == p["WordsPerRow"] - 1)}
             for _ in range(12 if column >= QUEUED - 1 else 0):
                 yield {}
