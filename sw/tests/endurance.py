@@ -97,7 +97,7 @@ def _steps(board: GoldenBoard, fit: Fit, count: int, folder: Path) -> Iterator[N
     table = Table(folder / "track.csv", TRACK)
     for frame in swinging(count):
         for point in tracker.step(frame.picture):
-            table.write(track_row(frame.name, point, fit))
+            table.write(track_row(frame, point, fit))
         yield
     table.close()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice, zip_longest
+from itertools import zip_longest
 from math import degrees
 from pathlib import Path
 from typing import Annotated
@@ -38,8 +38,10 @@ from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.console import out
 from signum.common.errors import SignumError
+from signum.frames.clock import FRAME_RATE
 from signum.frames.frame import Frame, Source
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
+from signum.report.about import head
 from signum.report.page import Section, write_page
 from signum.sources.open import open_source
 from signum.world.camera import Pinhole
@@ -64,8 +66,9 @@ class FollowSource:
         "R T).")] = None
     nearer: Annotated[float, typer.Option("--nearer", rich_help_panel=SOURCE, min=0.2,
                                           help="Objects nearer than this are taken for fish, metres.")] = 4.0
-    rate: Annotated[float, typer.Option("--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0,
-                                        help="Frames per second of the source.")] = 10.0
+    rate: Annotated[float | None, typer.Option(
+        "--rate", rich_help_panel=SOURCE, min=0.1, max=1000.0, show_default="the video's own, else 10",
+        help="Frames per second of a source whose frames have no times.")] = None
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,8 @@ def follow(
         raise SignumError("--right and --calibration belong to a --source")
     if (recorded.right is None) != (recorded.calibration is None):
         raise SignumError("range needs both --right and --calibration; leave both out to segment by motion")
-    with Session("follow", BoardOptions(board, sigma, max(LEAST, window or 0)), output, recorded.source) as run:
+    with Session("follow", BoardOptions(board, sigma, max(LEAST, window or 0)), output, recorded.source,
+                 rate=recorded.rate) as run:
         if recorded.source is None:
             chase = Chase(simulation.where, seconds or 60.0, seed=simulation.seed, window=window,
                           darts=() if simulation.darts is None else (simulation.darts,))
@@ -138,13 +142,14 @@ def _chase(run: Session, chase: Chase, film: bool) -> None:
         record.add(str(k), g.time, g.target, g.frame, truth=(*g.truth, g.range_m, *(degrees(a) for a in g.head)))
         rows.append(g.row(camera))
         run.report = report
+        run.refused["no target"] += g.target.lost
         run.tell(str(g.target.state))
 
 
 def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bool, window: int | None) -> None:
     """Open loop, on frames from elsewhere."""
     other = None if recorded.right is None else open_source(recorded.right)
-    fit, measurer, rate = run.fit, run.measurer(run.fit.board), recorded.rate
+    fit, measurer, rate = run.fit, run.measurer(run.fit.board), recorded.rate or run.source.rate or FRAME_RATE
     rectifier = read_stereo(recorded.calibration) if recorded.calibration is not None else None
     eye: Eye = MotionEye(measurer, window=window or MOTION_WINDOW)
     if rectifier is not None:
@@ -160,33 +165,37 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
         _page(run, follow_section("Object following, open loop", f"{run.source.label}, segmented {how}.", record,
                                   draw_states(record.states), "State of the target."))
 
-    names: list[str] = []
-    shown: list[Image] = []
+    now: list[tuple[str, float, Image]] = []
+    first = run.first.time_s
 
     def pictures() -> Iterator[tuple[Image, ...]]:
-        for name, pair in islice(_pairs(run, other, rectifier), total if seconds is not None else None):
-            names.append(name)
-            shown[:] = pair[:1]
+        for k, (frame, pair) in enumerate(_pairs(run, other, rectifier)):
+            time = k / rate if frame.time_s is None or first is None else frame.time_s - first
+            if seconds is not None and time >= seconds - 1e-6:
+                return
+            now[:] = [(frame.name, time, pair[0])]
             yield pair
 
-    for k, target in enumerate(run.steps("following", watch_fish(eye, pictures()), total)):
-        record.add(names[-1], k / rate, target, shown[0], fit.factor)
+    for target in run.steps("following", watch_fish(eye, pictures()), total):
+        name, time, shown = now[0]
+        record.add(name, time, target, shown, fit.factor)
         run.report = report
+        run.refused["no target"] += target.lost
         run.tell(_word(target))
 
 
 def _pairs(run: Session, other: Source | None, rectifier: Rectifier | None
-           ) -> Iterator[tuple[str, tuple[Image, ...]]]:
-    """Each frame's name and its picture for the board, with a rectifier those of both cameras."""
+           ) -> Iterator[tuple[Frame, tuple[Image, ...]]]:
+    """Each frame and its picture for the board, with a rectifier those of both cameras."""
     if other is None or rectifier is None:
-        yield from ((frame.name, (run.fit.show(frame.picture),)) for frame in run.frames())
+        yield from ((frame, (run.fit.show(frame.picture),)) for frame in run.frames())
         return
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for one, two in frames:
         if one is None or two is None:
             raise SignumError(f"{run.source.label} and {other.label}: one has fewer frames than the other; give "
                               "frames of the same moments")
-        yield one.name, tuple(run.fit.show(p) for p in rectifier(one.grey, two.grey))
+        yield one, tuple(run.fit.show(p) for p in rectifier(one.grey, two.grey))
 
 
 def _claimed(run: Session, film: bool) -> Path:
@@ -210,4 +219,5 @@ def _word(target: Target) -> str:
 
 
 def _page(run: Session, section: Section) -> None:
-    write_page(run.folder / "report.html", "Object following", [section])
+    page = run.folder / "report.html"
+    write_page(page, "Signum: Object following", [section], head(page, run.about()))

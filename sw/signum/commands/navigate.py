@@ -22,11 +22,13 @@ from signum.applications.navigate.place import ANY_HEADING, LocaliseLimits, Plac
 from signum.commands.app import command
 from signum.commands.options import SIMULATION, BoardOptions, CalibrationOption, OutOption, SeedOption
 from signum.commands.outputs import lock
-from signum.commands.session import Session
+from signum.commands.session import Session, kind_of
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
 from signum.frames.fit import Fit
+from signum.frames.frame import Frame
+from signum.report.rows import seconds
 from signum.tables.schemas import GOTO, NAVIGATE
 
 BOARD_DEFAULTS = BoardOptions()
@@ -111,16 +113,19 @@ class _Log:
         self._size = (0, 0)
         run.at_end(self.draw)
 
-    def write(self, frame: str, size: tuple[int, int], aim: Aim) -> None:
+    def write(self, frame: Frame, aim: Aim) -> None:
         """Take in a frame; `aim` is what was found of it."""
         place, s = aim.place, aim.place.similarity
+        head = frame.name, seconds(frame.time_s)
         figures = [""] * 4 if s is None else [f"{place.centre[0]:.2f}", f"{place.centre[1]:.2f}", f"{s.rot_deg:.3f}",
                                               f"{s.scale:.5f}"]
-        self._table.write([frame, *figures, f"{place.score:.4f}", place.confidence])
+        self._table.write([*head, *figures, f"{place.score:.4f}", place.confidence])
         if self._goto is not None:
-            self._goto.write([frame, *("" if not aim.known else f"{v:.2f}" for v in aim.error), int(aim.sharp)])
+            self._goto.write([*head, *("" if not aim.known else f"{v:.2f}" for v in aim.error), int(aim.sharp)])
+        if not place.known:
+            self._run.refused[kind_of(place.reason)] += 1
         self.places.append(place)
-        self._size = size
+        self._size = frame.size
         self._run.report = self._run.report_folder
         if len(self.places) % EVERY == 0:
             self.draw()
@@ -141,13 +146,14 @@ def _recorded(run: Session, chart: Chart, goto: str | None, search: SearchOption
     limits = LocaliseLimits(turns_deg=ANY_HEADING) if search.any_heading else LocaliseLimits()
     localiser = _localiser(run, run.fit, chart, run.chosen.window, run.chosen.sigma, limits)
     finder = TargetFinder(localiser, target, patience=0)
+    run.measured = lambda: sum(p.known for p in log.places)
     run.summary = lambda: (f"{run.folder / 'navigate.csv'}: {sum(p.known for p in log.places)} of {len(log.places)} "
                            "frames found")
     for frame in run.steps("navigate", run.frames(), run.source.count):
         if not search.prior:
             finder.forget()
         aim = finder.look(frame.picture)
-        log.write(frame.name, frame.size, aim)
+        log.write(frame, aim)
         run.tell(_word(aim))
 
 
@@ -183,7 +189,7 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
                 f"{error:.2f} px off, {100 * error / size[0]:.2f} % of the view")
 
     for step in run.steps("look at that", way, None):
-        log.write(str(next(names)), size, step.aim)
+        log.write(Frame(str(next(names)), step.frame, step.time), step.aim)
         write_picture(run.file("view.png"), step.frame)
         run.summary = partial(outcome, step)
         run.tell(_word(step.aim))

@@ -85,22 +85,24 @@ def stereo(
     with session as run:
         pairs = _pairs(run, other, None if rectified else rig)
         table = run.table("disparity.csv", DISPARITY)
+        run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                "valid")
-        for name, pair in run.steps("stereo", pairs, run.source.count):
+        for frame, pair in run.steps("stereo", pairs, run.source.count):
             measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
             found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
                                   (board.window, board.window), search.step)
-            _write(run, "" if run.source.count == 1 else f"_{name}", run.fit, found, geometry, shown[0])
-            for line in disparity_rows(name, found.to_source(run.fit), geometry):
+            _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown[0])
+            for line in disparity_rows(frame, found.to_source(run.fit), geometry):
                 table.write(line)
+            run.refused.update(found.refused)
             shares.append(float(found.valid.mean()))
             run.report = run.report_folder
             run.tell(f"{shares[-1]:.0%} valid")
 
 
-def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple[str, tuple[Image, Image]]]:
-    """Grey pictures of both cameras, rectified, under the left frame's name."""
+def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple[Frame, tuple[Image, Image]]]:
+    """The left frame, and the grey pictures of both cameras, rectified."""
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for a, b in frames:
         if a is None or b is None:
@@ -110,7 +112,7 @@ def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple
             raise SourceError(f"frame {a.name} is {a.size[0]}x{a.size[1]}, its right one {b.size[0]}x{b.size[1]}: "
                               "both cameras must give pictures of one size")
         pair = grey(a.picture), grey(b.picture)
-        yield a.name, rig(*pair) if rig else pair
+        yield a, rig(*pair) if rig else pair
 
 
 def _write(run: Session, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Image

@@ -39,6 +39,7 @@ from signum.demo.flight import (
     Phase,
 )
 from signum.frames.fit import Fit
+from signum.frames.frame import Frame
 from signum.geometry.camera import Sight
 from signum.measure.flow import measure_flow
 from signum.measure.measurer import Measurer
@@ -146,9 +147,10 @@ def _track(flight: DemoFlight, board: Board, camera: Pinhole, floor: Seafloor, o
     for index in range(TRACKED):
         sights.append(DOWN.sight(vehicle))
         pictures.append(world.look(camera, sights[-1]).frame)
+        seen = Frame(str(index), pictures[-1], vehicle.time)
         points = tracker.step(pictures[-1])
         for p in points:
-            table.write(track_row(str(index), p, fit))
+            table.write(track_row(seen, p, fit))
             at = np.array([p.x, p.y])
             if p.feature not in born:
                 born[p.feature] = index, at

@@ -9,6 +9,8 @@ from dataclasses import replace
 from signum.common.console import notes
 from signum.frames.frame import Frame
 
+FRAME_RATE = 10.0
+"""Frames per second of a source that gives neither times nor a rate."""
 STEP_S = 0.1
 """Step after a stamp that does not advance, where neither a rate nor an earlier step is known, seconds."""
 

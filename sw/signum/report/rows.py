@@ -8,14 +8,22 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from signum.frames.fit import Fit
+from signum.frames.frame import Frame
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
 from signum.measure.stereo import RangeMap
 from signum.measure.track import TrackPoint
 
 
-def flow_rows(a: str, b: str, field: FlowField, fit: Fit) -> Iterator[list[object]]:
+def seconds(time: float | None) -> str:
+    """A time in a table, to the microsecond; empty where there is none."""
+    return "" if time is None else f"{time:.6f}"
+
+
+def flow_rows(a: Frame, b: Frame, field: FlowField, fit: Fit) -> Iterator[list[object]]:
     """Rows of `flow.csv` from a field in pixels of the board's picture."""
+    step = None if a.time_s is None or b.time_s is None else b.time_s - a.time_s
+    head = [a.name, b.name, seconds(b.time_s), seconds(step)]
     kx, ky = fit.factor
     xs = [f"{(x + 0.5) * kx - 0.5:.1f}" for x in field.x.tolist()]
     for y, valid, *values in zip(field.y.tolist(), field.valid.tolist(), (field.dx * kx).tolist(),
@@ -23,30 +31,31 @@ def flow_rows(a: str, b: str, field: FlowField, fit: Fit) -> Iterator[list[objec
         down = f"{(y + 0.5) * ky - 0.5:.1f}"
         for x, good, dx, dy, score in zip(xs, valid, *values, strict=True):
             moved = (f"{dx:.3f}", f"{dy:.3f}") if good else ("", "")
-            yield [a, b, x, down, *moved, f"{score:.4f}", int(good)]
+            yield [*head, x, down, *moved, f"{score:.4f}", int(good)]
 
 
-def disparity_rows(frame: str, found: RangeMap, geometry: StereoGeometry | None) -> Iterator[list[object]]:
+def disparity_rows(frame: Frame, found: RangeMap, geometry: StereoGeometry | None) -> Iterator[list[object]]:
     """Rows of `disparity.csv` from a map in original pixels."""
     depth = np.full(found.disparity.shape, np.nan) if geometry is None else geometry.depth(found.disparity)
     for j, y in enumerate(found.y):
         for i, x in enumerate(found.x):
             figures = ["" if np.isnan(v) else f"{v:.4f}" for v in (found.disparity[j, i], depth[j, i])]
-            yield [frame, f"{x:.1f}", f"{y:.1f}", *figures, f"{found.score[j, i]:.4f}", f"{found.margin[j, i]:.4f}",
-                   int(found.valid[j, i])]
+            yield [frame.name, seconds(frame.time_s), f"{x:.1f}", f"{y:.1f}", *figures, f"{found.score[j, i]:.4f}",
+                   f"{found.margin[j, i]:.4f}", int(found.valid[j, i])]
 
 
-def drift_row(frame: str, points: Sequence[TrackPoint], fit: Fit) -> list[object]:
+def drift_row(frame: Frame, points: Sequence[TrackPoint], fit: Fit) -> list[object]:
     """A row of `drift.csv`."""
     valid = [p for p in points if p.valid]
     worst = max((p.error_px for p in valid), default=0.0) * max(fit.factor)
     figures = [str(max(p.links for p in valid)), f"{worst:.3f}"] if valid else ["", ""]
-    return [frame, len(valid), sum(p.links <= 1 for p in valid), *figures]
+    return [frame.name, seconds(frame.time_s), len(valid), sum(p.links <= 1 for p in valid), *figures]
 
 
-def track_row(frame: str, point: TrackPoint, fit: Fit) -> list[object]:
+def track_row(frame: Frame, point: TrackPoint, fit: Fit) -> list[object]:
     """A row of `track.csv` from a point in pixels of the board's picture."""
     kx, ky = fit.factor
     x, y = (point.x + 0.5) * kx - 0.5, (point.y + 0.5) * ky - 0.5
     figures = [f"{v:.3f}" for v in (x, y, point.dx * kx, point.dy * ky)]
-    return [frame, point.feature, *figures, f"{point.score:.4f}", f"{point.margin:.4f}", int(point.valid)]
+    return [frame.name, seconds(frame.time_s), point.feature, *figures, f"{point.score:.4f}", f"{point.margin:.4f}",
+            int(point.valid)]

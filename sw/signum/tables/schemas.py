@@ -2,45 +2,49 @@
 """The columns of every table, and what they mean.
 
 `frame` is the frame's name as its source gives it. A column that ends in _px is in original pixels unless its table
-states otherwise, in _m in metres, in _deg in degrees, in _s in seconds. A score is a matching fraction (0..1, chance
+states otherwise, in _m in metres, in _deg in degrees, in _s in seconds. `time_s` is the frame's time on its source's
+own clock (see `Frame`), empty where the source has no times. A score is a matching fraction (0..1, chance
 0.5), a margin its difference from the second-best match. Flags are 0 or 1.
 """
 
 from __future__ import annotations
 
-TRACK = "frame", "feature", "x_px", "y_px", "dx_px", "dy_px", "score", "margin", "valid"
+TRACK = "frame", "time_s", "feature", "x_px", "y_px", "dx_px", "dy_px", "score", "margin", "valid"
 """`track.csv`: a feature is at (x, y), which is (dx, dy) from where it was first seen."""
-DRIFT = "frame", "valid", "direct", "links", "error_px"
+DRIFT = "frame", "time_s", "valid", "direct", "links", "error_px"
 """`drift.csv`: number of valid features of a frame; how many of them rest on one measurement against their initial
 image; the longest chain of measurements behind one; and the distance that 98 % of such positions are within by the
 tracker's estimate, for the worst of them. The last two are empty if no feature is valid."""
-FLOW = "frame_a", "frame_b", "x_px", "y_px", "dx_px", "dy_px", "score", "valid"
-"""`flow.csv`: displacement (dx, dy) in frame b of the window at (x, y) of frame a, empty where not valid."""
-DISPARITY = "frame", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
+FLOW = "frame_a", "frame_b", "time_s", "step_s", "x_px", "y_px", "dx_px", "dy_px", "score", "valid"
+"""`flow.csv`: displacement (dx, dy) in frame b of the window at (x, y) of frame a, empty where not valid. The
+time is frame b's, the step that from frame a to it."""
+DISPARITY = "frame", "time_s", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
 """`disparity.csv`: disparity and range at (x, y) of the rectified left frame; empty where not valid or not known."""
 HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
-"""`hold.csv`: x ahead and y to the right of the station, rotation clockwise seen from above, zoom and range of the
-paper's equations 6 and 7, empty where confidence is 0; confidence, 0..100, the share of the windows that agree in
-percent, less where their median score is below 0.75; windows that agree, and that were tried."""
+"""`hold.csv`: seconds after the first frame; x ahead and y to the right of the station, rotation clockwise seen from
+above, zoom and range of the paper's equations 6 and 7, empty where confidence is 0; confidence, 0..100, the share of
+the windows that agree in percent, less where their median score is below 0.75; windows that agree, and that were
+tried."""
 HOLD_TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
 """`hold.csv` of a simulated hold: the truth, after the columns of HOLD."""
 FOLLOW = "frame", "time_s", "state", "x_px", "y_px", "width_px", "height_px", "windows", "range_m"
-"""`follow.csv`: the place of the fish, empty when it is lost; extent of its blob, number of the blob's windows, and its
-range, empty where not measured."""
+"""`follow.csv`: seconds after the first frame; the place of the fish, empty when it is lost; extent of its blob, number
+of the blob's windows, and its range, empty where not measured."""
 FOLLOW_TRUTH = "true_x_px", "true_y_px", "true_range_m", "pan_deg", "tilt_deg"
 """`follow.csv` of a simulated chase: the truth, after the columns of FOLLOW."""
-NAVIGATE = "frame", "x_px", "y_px", "rot_deg", "scale", "score", "confidence"
+NAVIGATE = "frame", "time_s", "x_px", "y_px", "rot_deg", "scale", "score", "confidence"
 """`navigate.csv`: the frame's centre, rotation and scale in mosaic.png, in pixels of mosaic.png; empty, with confidence
 0, where the frame was not found."""
-GOTO = "frame", "right_px", "down_px", "sharp"
+GOTO = "frame", "time_s", "right_px", "down_px", "sharp"
 """`goto.csv`: displacement of the target from the middle of the frame, empty where not known; whether it was measured
 at the target itself."""
 PLACES = "name", "x_px", "y_px"
 """`places.csv`, an optional table beside a mosaic: named places, in pixels of mosaic.png."""
 EDGES = "frame_a", "frame_b", "dx_px", "dy_px", "score", "margin", "accepted"
 """`edges.csv`: displacement of a's centre in b from b's centre."""
-POSES = "frame", "x_px", "y_px", "rot_deg", "scale"
-"""`poses.csv`: the frame's centre, rotation and scale in the mosaic plane, the pixel plane of the first frame."""
+POSES = "frame", "time_s", "x_px", "y_px", "rot_deg", "scale"
+"""`poses.csv`: the frame's time when it was taken in, its centre, rotation and scale in the mosaic plane, the pixel
+plane of the first frame."""
 SURVEY_EDGES = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed",
                 "tried", "reason")
 """Columns of a survey's `edges.csv`: those of `EDGES`, the kind of edge, rotation and scale from a to b, centroid (in

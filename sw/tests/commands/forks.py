@@ -45,6 +45,8 @@ PACE_S = 0.05
 
 def main() -> None:
     """Serve until the input ends."""
+    for number in signals.SIGNALS:  # ignored where the tests run in the background or under nohup, and so by commands
+        signal.signal(number, signal.SIG_DFL)
     cv2.setNumThreads(1)
     app = typer.main.get_command(application())
     with contextlib.suppress(SystemExit), open(os.devnull, "w") as sink, contextlib.redirect_stderr(sink):
