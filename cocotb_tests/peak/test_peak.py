@@ -99,8 +99,8 @@ async def large_searches(dut) -> None:
     area = 1 << params()["ScoreBits"] - 1
     widest, highest = params()["MaxOffsets"], 1023
     tasks = [random_task(rng, cols, rows, area, top) for cols, rows, top in (
-        (widest, 2, area), (1, highest, area), (widest - 1, 1, area), (1, 3, area), (1, highest, 2), (2, 600, area),
-        (widest // 2, 2, area), (3, 340, area), (widest, 1, 2), (1, 5, area), (2, 777, area), (1, 1, area))]
+        (widest, 2, area), (1, highest, area), (widest - 1, 1, area), (1, 3, area), (2, 600, area),
+        (widest // 2, 2, area), (widest, 1, 2), (1, 1, area))]
     await _run(dut, PeakTraffic(tasks, rng))
 
 
