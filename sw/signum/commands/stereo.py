@@ -18,7 +18,7 @@ from signum.commands.options import SOURCE, BoardOptions, OutOption
 from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
-from signum.common.files import replacing, write_picture
+from signum.common.files import name_part, replacing, write_picture
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
@@ -84,6 +84,7 @@ def stereo(
     session, other = Session("stereo", board, output, left), open_source(right)
     with session as run:
         pairs = _pairs(run, other, None if rectified else rig)
+        run.page()
         table = run.table("disparity.csv", DISPARITY)
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
@@ -92,7 +93,8 @@ def stereo(
             measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
             found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
                                   (board.window, board.window), search.step)
-            _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown[0])
+            ending = "" if run.source.count == 1 else f"_{name_part(frame.name)}"
+            _write(run, ending, run.fit, found, geometry, shown[0])
             for line in disparity_rows(frame, found.to_source(run.fit), geometry):
                 table.write(line)
             run.refused.update(found.refused)
