@@ -45,7 +45,7 @@ def test_ram(width: int, depth: int) -> None:
     simulate("slog_ram", __name__, {"Width": width, "Depth": depth})
 
 
-ASPECTS = [(37, 512), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)]
+ASPECTS = [(71, 512), (19, 1024), (8, 1920), (5, 4000), (3, 8192), (2, 12416)]
 """Widths and depths, one for each aspect ratio of the block RAM."""
 
 

@@ -54,6 +54,7 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
                     "writing_i": rng.getrandbits(2) & -(rng.random() < 0.1), "slot_valid_i": rng.getrandbits(8),
                     "armed_i": rng.getrandbits(2), "refused_i": rng.getrandbits(1), "job_busy_i": rng.getrandbits(1),
                     "result_level_i": rng.randrange(5), "work_i": rng.getrandbits(1),
+                    "result_valid_i": rng.getrandbits(1),
                     "result_i": rng.getrandbits(189) & ~(-(rng.random() < 0.5) & 7 << 170)}
         done = bool(peek) and peek[0] == 0
         peek = [n - 1 for n in peek if n]
@@ -61,7 +62,7 @@ def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
         out = yield {
             **master.drive(), **held, "rst_i": int(t % 701 == 700), "accepted_i": rng.getrandbits(2),
             "dropped_i": rng.getrandbits(2) & -(rng.random() < 0.1), "captured_i": int(rng.random() < 0.05),
-            "job_ready_i": int(rng.random() < 0.8), "result_valid_i": rng.getrandbits(1),
+            "job_ready_i": int(rng.random() < 0.8),
             "score_i": rng.getrandbits(1), "peek_ready_i": ready, "peek_done_i": int(done),
             "peek_data_i": rng.getrandbits(c.group_bits), "s_axil_awprot": 0, "s_axil_arprot": 0}
         if ready and out["peek_valid_o"]:

@@ -67,7 +67,7 @@ def _traffic(rng: random.Random, port: PeekPort, bits: int, words: int, seen: Co
         go = int(may and rng.random() < (0.3 if p.valid else 0.05))
         take = int(may and not go and port.settled and rng.random() < 0.5)
         if go:
-            address = rng.choice((rng.randrange(words), words - 1, words, 1 << 23))
+            address = rng.choice((rng.randrange(words), words - 1, words, 1 << 23, rng.getrandbits(24)))
         if go or take:
             idle = 0
         ready = int(answer is None and rng.random() < (0.8 if p.go else 0.15))

@@ -2,11 +2,12 @@
 """Every field of the generated registers over AXI4-Lite."""
 
 import random
+from itertools import product
 from typing import Any, cast
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster
 from systemrdl.compiler import RDLCompiler
 from systemrdl.node import AddressableNode, FieldNode, RegNode
@@ -16,6 +17,11 @@ from golden.params import CONFIGS
 from sim.registers.map import Field, address, fields, word
 from sim.testbench.runner import AXI_PORTS, simulate
 from sim.toolchain import RTL
+
+MANY = 1 << 14
+"""Events in consecutive clocks."""
+PLACES = 32
+"""Coefficients that can be written; those that the filter does not have change nothing."""
 
 
 def rdl_fields() -> dict[str, FieldNode]:
@@ -100,23 +106,25 @@ async def status_fields(dut) -> None:
     driven = {name: rng.getrandbits(len(getattr(dut, name))) for name in (
         "active_i", "slot_valid_i", "armed_i", "writing_i", "refused_i", "job_ready_i", "job_level_i", "job_busy_i",
         "result_valid_i", "result_i", "result_level_i")}
-    for name, value in driven.items():
-        getattr(dut, name).value = value
     nodes = rdl_fields()
-    await RisingEdge(dut.clk_i)
-    model.seen = driven["result_valid_i"]
-    want = model.status(driven, driven["result_i"])
     checked = 0
-    for path, status in want.items():
-        if path.startswith("counter.") or path == "filter.busy":
-            continue
-        for _ in range(2):
-            read = fields()[path].unpack(await bus.read_dword(fields()[path].address))
-            assert read == status, f"{path} is {read:#x}, should be {status:#x}"
-            if not nodes[path].parent.has_sw_writable:
-                await bus.write_dword(fields()[path].address, 0xFFFFFFFF)
-        checked += 1
-    assert checked >= 40
+    for _ in range(2):  # every bit is seen at 0 and at 1
+        for name, value in driven.items():
+            driven[name] = value ^ (1 << len(getattr(dut, name))) - 1
+            getattr(dut, name).value = driven[name]
+        await RisingEdge(dut.clk_i)
+        model.seen = driven["result_valid_i"]
+        want = model.status(driven, driven["result_i"])
+        for path, status in want.items():
+            if path.startswith("counter.") or path == "filter.busy":
+                continue
+            for _ in range(2):
+                read = fields()[path].unpack(await bus.read_dword(fields()[path].address))
+                assert read == status, f"{path} is {read:#x}, should be {status:#x}"
+                if not nodes[path].parent.has_sw_writable:
+                    await bus.write_dword(fields()[path].address, 0xFFFFFFFF)
+            checked += 1
+    assert checked >= 80
 
 
 @cocotb.test()
@@ -157,6 +165,13 @@ async def counters_and_interrupt(dut) -> None:
         getattr(dut, port).value = 0
     for n, name in enumerate(causes):
         assert await bus.read_dword(address(f"counter.{name}")) == n + 3, name
+    for port, value in (("score_i", 1), ("work_i", 1), ("accepted_i", 3), ("dropped_i", 3)):
+        getattr(dut, port).value = value
+    await Timer(MANY * 10 + 5, unit="ns")
+    for port in ("score_i", "work_i", "accepted_i", "dropped_i"):
+        getattr(dut, port).value = 0
+    for n, name in enumerate(causes):
+        assert await bus.read_dword(address(f"counter.{name}")) == MANY + n + 3, name
     first = await bus.read_dword(address("counter.clocks"))
     for _ in range(50):
         await RisingEdge(dut.clk_i)
@@ -197,6 +212,10 @@ async def filter_and_peek(dut) -> None:
     config = CONFIGS["tiny"]
     rng = random.Random(cocotb.RANDOM_SEED)
     values = {second: [rng.getrandbits(18) for _ in range(config.coefs)] for second in (0, 1)}
+    for second, index in product((0, 1), range(PLACES)):
+        before = rng.getrandbits(18)
+        for value in (before, before ^ (1 << 18) - 1, before):
+            await bus.write_dword(address("coef"), word("coef", value=value, second=second, index=index, go=1))
     for second, kernel in values.items():
         for index, value in enumerate(kernel):
             await bus.write_dword(address("coef"), word("coef", value=value, second=second, index=index, go=1))

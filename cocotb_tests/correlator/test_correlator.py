@@ -3,6 +3,7 @@
 
 import random
 from dataclasses import replace
+from itertools import chain, count, repeat
 
 import cocotb
 
@@ -51,6 +52,16 @@ async def reset_in_mid_job(dut, reset_at: int) -> None:
     await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), traffic.stimulus(), None)
     traffic.check()
     assert traffic.scores > 100
+
+
+@cocotb.test()
+async def offered_at_any_time(dut) -> None:
+    """Refused jobs, each after a pause that is a clock longer: they wait for every time down to none."""
+    jobs = [Job(0, 5, 3, 8, 2, 2, 7, 4, 0, 2, tag) for tag in range(40)]
+    offers = chain.from_iterable([*repeat(0, pause), 1] for pause in count())
+    traffic = CorrelatorTraffic(TINY, random_planes(TINY, (0, 2), 1), jobs, source=offers)
+    await check_cycles(dut, CorrelatorModel(TINY, params()["SurfaceDepth"]), traffic.stimulus(), None)
+    traffic.check()
 
 
 @cocotb.test()

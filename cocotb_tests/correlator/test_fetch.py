@@ -141,6 +141,25 @@ async def latency(dut) -> None:
 
 
 @cocotb.test()
+async def offered_at_any_time(dut) -> None:
+    """Refused jobs, each after a pause that is a clock longer: they wait for every time down to none."""
+    job = pack_job(Job(0, 5, 3, 8, 2, 2, 7, 4, 0, 2))
+    waits: list[int] = []
+
+    def script() -> Stimulus:
+        fixed = {"image_width_i": SIZE[0], "image_height_i": SIZE[1], "slot_valid_i": 0xFF, "ticket_ready_i": 1}
+        for pause in range(40):
+            for _ in range(pause):
+                yield fixed
+            waits.append(0)
+            while not (yield fixed | {"job_valid_i": 1, "job_i": job})["job_ready_o"]:
+                waits[-1] += 1
+
+    await check_cycles(dut, FetchModel(TINY), script())
+    assert {0, 1, 2, 8} <= set(waits) and waits[-1] == 0
+
+
+@cocotb.test()
 @cocotb.parametrize(words=(1, 2))
 async def full_ring(dut, words: int) -> None:
     """Rows of one or two words stop when the ring is full to its last row, and continue as rows are freed."""

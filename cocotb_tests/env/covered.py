@@ -37,14 +37,15 @@ class Stalls:
             offers, takes = (i[name] if name in i else out.get(name) or 0 for name in (valid, ready))
             for bit in range(max(offers | takes, 1).bit_length()):
                 key, offered, taken = (valid, bit), offers >> bit & 1, takes >> bit & 1
-                if taken and not offered:
-                    self.counts[f"{valid}: {STALLS[5]}"] += 1
+                if not offered:  # nothing waits, or what waited was withdrawn
+                    self._waited.pop(key, None)
+                    self.counts[f"{valid}: {STALLS[5]}"] += taken
                 elif taken:
                     waited = self._waited.pop(key, 0)
                     self.counts[f"{valid}: {STALLS[(waited > 0) + (waited >= FEW) + (waited >= MANY)]}"] += 1
                     self.counts[f"{valid}: {STALLS[4]}"] += key in self._moved
                     moved.add(key)
-                elif offered:
+                else:
                     self._waited[key] += 1
         self._moved = moved
 

@@ -107,26 +107,33 @@ async def dropped_within_an_output_row(dut) -> None:
 
 @cocotb.test()
 async def settings_change_in_hold(dut) -> None:
-    """Size and coefficients change between frames while hold keeps the next frame out."""
+    """Size and coefficients change between frames while hold keeps the next frame out, which waits 1 to 21 clocks."""
     rng = random.Random(cocotb.RANDOM_SEED)
     width = 20
-    runs = [(width, 18, 1.0), (width, 30, 2.0), (width, 18, 4.0)]
+    runs = [(width, 18, 1.0), (width, 30, 2.0), (width, 18, 4.0), (width, 20, 1.5)]
+    waits = 20, 0, 5  # clocks, and one more from the end of the hold
     items = [[good(texture(rng, w, h)) for _ in range(2)] for w, h, _ in runs]
     seen = VideoRecord(params()["GroupBits"], width)
 
     def stimulus() -> Stimulus:
-        for batch, now, following in zip(items, runs, [*runs[1:], runs[-1]], strict=True):
-            yield from _video(rng, batch, _settings(*now), "random")
-            yield {**_settings(*now), "hold_i": 1}
-            for n in range(20):  # the source offers a frame throughout
-                common = _settings(*(now if n < 18 else following))
-                out = yield {**common, "hold_i": 1, "tvalid_i": 1, "tuser_i": 1, "tdata_i": 1}
+        yield _settings(*runs[0])
+        for run, batch in enumerate(items):
+            now = _settings(*runs[run])
+            yield from play(batch, now, ready_pattern("cyclic", rng), rng)
+            if run == len(waits):
+                return
+            data, user, last = items[run + 1][0].beats[0]
+            yield {**now, "hold_i": 1}
+            for n in range(20):
+                common = now if n < 18 else _settings(*runs[run + 1])
+                out = yield {**common, "hold_i": 1, "tvalid_i": int(n >= 20 - waits[run]), "tdata_i": data,
+                             "tuser_i": user, "tlast_i": last}
                 assert not out["tready_o"]
 
     await check_cycles(dut, _model(), stimulus(), seen.observe)
     planes = [binarise(i.good, *_kernels(s)) for batch, (_, _, s) in zip(items, runs, strict=True)
               for i in batch if i.good is not None]
-    assert len(seen.planes) == len(planes) == 6
+    assert len(seen.planes) == len(planes) == 8
     for got, want in zip(seen.planes, planes, strict=True):
         np.testing.assert_array_equal(got, want)
 

@@ -92,9 +92,21 @@ async def reset_in_mid_work(dut) -> None:
                                     results=ready_pattern("random", rng)))
 
 
+@cocotb.test()
+async def large_searches(dut) -> None:
+    """The widest and the highest searches, with the best at their ends and anywhere."""
+    rng = random.Random(cocotb.RANDOM_SEED + 6)
+    area = 1 << params()["ScoreBits"] - 1
+    widest, highest = params()["MaxOffsets"], 1023
+    tasks = [random_task(rng, cols, rows, area, top) for cols, rows, top in (
+        (widest, 2, area), (1, highest, area), (widest - 1, 1, area), (1, 3, area), (2, 600, area),
+        (widest // 2, 2, area), (widest, 1, 2), (1, 1, area))]
+    await _run(dut, PeakTraffic(tasks, rng))
+
+
 @pytest.mark.parametrize(("max_offsets", "score_bits", "score_depth", "result_depth", "testcase"), [
     (48, 9, 128, 4, None),
-    (640, 15, 1024, 64, "results_stalled.*long"),
+    (640, 15, 1024, 64, "results_stalled.*long|full_result_queue|large_searches"),
 ])
 def test_peak(max_offsets: int, score_bits: int, score_depth: int, result_depth: int, testcase: str | None) -> None:
     simulate("slog_peak", __name__,

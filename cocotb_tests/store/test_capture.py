@@ -20,6 +20,8 @@ from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 CLOCKS = 3000
+QUEUED = 4
+"""Words that a camera's queue holds."""
 
 
 @dataclass
@@ -228,7 +230,47 @@ async def latency(dut) -> None:
     assert marks["valid"] - marks["done"] == 5 + HOPS
 
 
+@cocotb.test()
+async def second_queue_full(dut) -> None:
+    """Both cameras bring as many words as a queue holds in consecutive clocks: the second's wait, none is lost."""
+    p = params()
+    base = p["SlotWords"], 2 * p["SlotWords"]
+    both = (1 << p["Cameras"]) - 1
+    writes: list[tuple[int, int]] = []
+
+    def stimulus() -> Stimulus:
+        for camera in range(p["Cameras"]):
+            yield {"cmd_valid_i": 1, "cmd_camera_i": camera, "cmd_slot_i": 1 + camera}
+        for _ in range(4):
+            yield {}
+        yield {"frame_start_i": both}
+        for _ in range(8):
+            yield {}
+        for k in range(p["SlotWords"]):
+            column = k % p["WordsPerRow"]
+            data = sum(128 * c + k << c * p["GroupBits"] for c in range(p["Cameras"]))
+            yield {"word_valid_i": both, "word_data_i": data,
+                   "word_last_i": both * (column == p["WordsPerRow"] - 1)}
+            for _ in range(12 if column >= QUEUED - 1 else 0):
+                yield {}
+        yield {"frame_done_i": both}
+        for _ in range(10):
+            out = yield {}
+        assert out["slot_valid_o"] == both << 1
+
+    def watch(_: Inputs, out: Outputs) -> None:
+        if out["wr_valid_o"]:
+            writes.append((out["wr_addr_o"] or 0, out["wr_data_o"] or 0))
+
+    model = CaptureModel(p["Cameras"], p["GroupBits"], p["Slots"], p["SlotWords"], p["WordsPerRow"])
+    await check_cycles(dut, model, stimulus(), watch)
+    first, second = ([(base[c] + k, 128 * c + k) for k in range(p["SlotWords"])] for c in range(2))
+    assert sorted(writes) == (first + second)[:p["Cameras"] * p["SlotWords"]]
+    if p["Cameras"] == 2:
+        assert writes[:2 * QUEUED] == first[:QUEUED] + second[:QUEUED]
+
+
 @pytest.mark.parametrize("cameras", [2, 1])
 def test_capture(cameras: int) -> None:
     simulate("slog_capture", __name__,
-             {"Cameras": cameras, "GroupBits": 8, "Slots": 6, "SlotWords": 12, "WordsPerRow": 3})
+             {"Cameras": cameras, "GroupBits": 8, "Slots": 6, "SlotWords": 15, "WordsPerRow": 5})

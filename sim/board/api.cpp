@@ -35,9 +35,6 @@ int slog_irq(const Board* b) { return b->clock.result_waiting(); }
 int slog_asserted(const Board* b) { return b->clock.asserted(); }
 int slog_trace(Board* b, const char* path) { return b->clock.trace(path); }
 
-// Writes the coverage so far; false when this build counts none.
-int slog_coverage(Board* b, const char* path) { return b->clock.coverage(path); }
-
 void slog_tick(Board* b, uint64_t clocks) {
   for (uint64_t k = 0; k < clocks; ++k) b->clock.tick();
 }

@@ -20,7 +20,6 @@ from pathlib import Path
 
 from golden.params import CONFIGS
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
-from sim.coverage.record import coverage_args
 from sim.toolchain import BUILD, ROOT, TOP, WAIVERS, headers, rtl_sources, verilator_env, verilator_root, wave_format
 
 HERE = Path(__file__).parent
@@ -123,9 +122,8 @@ def build(config: str = "full", trace: bool = False, checked: bool = False) -> P
     """
     CONFIGS[config]
     fst = trace and wave_format() == "fst"
-    coverage = coverage_args()
-    folder = BUILD / "verilated" / (config + "-trace" * trace + "-checked" * checked + "-coverage" * bool(coverage))
-    flags = [*VERILATOR_FLAGS, *(CHECKED_FLAGS if checked else FAST_FLAGS), *(trace_args() if trace else []), *coverage]
+    folder = BUILD / "verilated" / (config + "-trace" * trace + "-checked" * checked)
+    flags = [*VERILATOR_FLAGS, *(CHECKED_FLAGS if checked else FAST_FLAGS), *(trace_args() if trace else [])]
     library = folder / "libslog_board.so"
     with locked(folder):
         (folder / "build.log").unlink(missing_ok=True)
@@ -135,7 +133,6 @@ def build(config: str = "full", trace: bool = False, checked: bool = False) -> P
             include = verilator_root() / "include"
             _link(library, [HERE / "api.cpp", HERE / "driver_api.cpp"],
                   [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(fst)}", f"-DSLOG_CHECKED={int(checked)}",
-                   f"-DVM_COVERAGE={int(bool(coverage))}",
                    f"-I{folder}", f"-I{include}",
                    f"-I{include / 'vltstd'}", f"libV{TOP}.a", "libverilated.a", "-pthread",
                    *(["-lz", "-llz4"] if fst else [])], made_from)

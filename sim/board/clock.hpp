@@ -11,9 +11,6 @@
 #include "Vslog_board.h"
 #include "driver.hpp"
 #include "verilated.h"
-#if VM_COVERAGE
-#include "verilated_cov.h"
-#endif
 #if VM_TRACE_FST
 #include "verilated_fst_c.h"
 using Trace = VerilatedFstC;
@@ -103,16 +100,6 @@ class Clock final : public Bus {
     return true;
 #else
     (void)path;
-    return false;
-#endif
-  }
-
-  // Writes Verilator's coverage record; false when this build has none.
-  bool coverage([[maybe_unused]] const char* path) {
-#if VM_COVERAGE
-    context_.coveragep()->write(path);
-    return true;
-#else
     return false;
 #endif
   }

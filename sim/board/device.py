@@ -15,7 +15,6 @@ from sim.board.build import build
 from sim.board.driver import SLACK, DeviceError, DeviceTimeout, RegisterDriver
 from sim.board.library import BOARD, SURFACE_BROKEN, load
 from sim.board.structs import Accesses
-from sim.coverage.record import coverage_folder, points_file
 
 __all__ = ["Accesses", "Beats", "Device", "DeviceError", "DeviceTimeout", "frame_beats"]
 
@@ -50,8 +49,7 @@ class Device(RegisterDriver):
         if CONFIGS.get(config.name) != config:
             raise ValueError(f"{config.name!r} is not a configuration the RTL is generated for")
         library = load(build(config.name, trace is not None, checked), BOARD)
-        # With random registers, bits that are constant would be counted as toggling once.
-        self._board: int | None = library.slog_new(0 if coverage_folder() else power_up)
+        self._board: int | None = library.slog_new(power_up)
         super().__init__(config, library, library.slog_driver(self._board))
         if trace is not None:
             self._lib.slog_trace(self._board, str(trace).encode())
@@ -61,9 +59,6 @@ class Device(RegisterDriver):
     def close(self) -> None:
         """Free the simulation and finish its wave dump."""
         if self._board is not None:
-            points = points_file(f"board-{self.config.name}")
-            if points:
-                self._lib.slog_coverage(self._board, str(points).encode())
             self._lib.slog_free(self._board)
             self._board = None
 

@@ -30,7 +30,7 @@ BOARD: Signatures = {
     "trace": (_I, [_P, ctypes.c_char_p]), "tick": (None, [_P, _T]), "reset": (None, [_P]), "restart": (None, [_P, _I]),
     "play": (None, [_P, _I, _P, _T, _U, _T]), "play_frame": (None, [_P, _I, _P, _I, _I, _U, _T]),
     "finish_playing": (_I, [_P, _T]), "pause_surface": (None, [_P, _U, _T]), "surface": (_I, [_P, _P, _N, _T]),
-    "surface_waiting": (_N, [_P]), "asserted": (_I, [_P]), "coverage": (_I, [_P, ctypes.c_char_p]),
+    "surface_waiting": (_N, [_P]), "asserted": (_I, [_P]),
     "accesses": (_N, [_P, _P, _N, _I]),
 }
 """Functions of `api.cpp`: the first argument is what `new` returns."""

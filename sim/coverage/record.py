@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a run records for `make coverage`: Verilator's points, what the tests met, and how many outputs were compared.
 
-Nothing is recorded unless the environment variable `SIGNUM_COVERAGE` names a folder.
+Nothing is recorded unless the environment variable `SIGNUM_COVERAGE` names a folder. Each test file has a folder of its
+own in it, so that one can be run again by itself.
 """
 
 from __future__ import annotations
@@ -13,19 +14,21 @@ from collections.abc import Mapping
 from pathlib import Path
 
 VARIABLE = "SIGNUM_COVERAGE"
+WITHOUT_TEST = "other"
+"""Folder of the records of what is no test."""
 COUNTERS = Path(__file__).with_name("toggle.hpp")
-"""Included in every file of a build: counts the toggles of wide signals."""
+"""Included in every generated file of a build: counts the toggles of wide signals."""
 COVERAGE_ARGS = ("--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096",
-                 "-CFLAGS", f"-include {COUNTERS}")
+                 "--compiler-include", str(COUNTERS))
 """Verilator's arguments. Branches come with the lines; wider signals than this have no toggle points."""
 
 
 def coverage_folder() -> Path | None:
-    """The folder for records, made if it is missing; None if coverage is not recorded."""
+    """The folder for records of the running test file, made if it is missing; None if coverage is not recorded."""
     named = os.environ.get(VARIABLE)
     if not named:
         return None
-    folder = Path(named)
+    folder = Path(named) / Path(os.environ.get("PYTEST_CURRENT_TEST", WITHOUT_TEST).partition("::")[0]).stem
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 

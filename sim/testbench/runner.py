@@ -16,7 +16,7 @@ from cocotb_tools.config import pygpi_entry_point
 from cocotb_tools.runner import Verilator
 
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
-from sim.coverage.record import coverage_args, points_file
+from sim.coverage.record import COUNTERS, coverage_args, points_file
 from sim.seeds import session_seed
 from sim.testbench.power_up import ENTRY_POINTS
 from sim.toolchain import BUILD, ROOT, headers, sources_of, verilator_env
@@ -121,10 +121,13 @@ def build(runner: Verilator, top: str, files: Sequence[Path], params: Mapping[st
         more_args: further arguments of Verilator.
     """
     build_args = [*BUILD_ARGS, *more_args, *(trace_args() if _waves() else [])]
-    if coverage_args():  # compiled quickly: the test bench takes longer than the counting
+    counters = [COUNTERS] if coverage_args() else []
+    if counters:  # compiled quickly: the test bench takes longer than the counting
         build_args += [*coverage_args(), "-CFLAGS", "-O0"]
+        # START includes the precompiled header too, but has make's option last, not this one: the two must be equal.
+        os.environ["MAKEFLAGS"] = f"{verilator_env()['MAKEFLAGS']} OPT_FAST=-O0"
     made_from = digest([json.dumps([dict(params), dict(macros)], sort_keys=True), *build_args, *ports],
-                       [*files, *headers(), START])
+                       [*files, *headers(), START, *counters])
     folder = BUILD / "cocotb" / f"{top}-{made_from[:16]}"
     with locked(folder):
         visible, stamp, log = folder / "ports.vlt", folder / ".built", folder / "build.log"

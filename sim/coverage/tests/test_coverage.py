@@ -127,19 +127,22 @@ def test_stalls_of_each_length_are_told_apart() -> None:
         for _ in range(waits):
             stalls.observe({"in_valid_i": 1}, {"in_ready_o": 0})
         stalls.observe({"in_valid_i": 1}, {"in_ready_o": 1})
+    for _ in range(3):  # withdrawn: these clocks are no wait of the next one
+        stalls.observe({"in_valid_i": 1}, {"in_ready_o": 0})
     stalls.observe({"in_valid_i": 0}, {"in_ready_o": 1})
+    stalls.observe({"in_valid_i": 1}, {"in_ready_o": 1})
     counts = {name.partition(": ")[2]: count for name, count in stalls.counts.items()}
-    assert counts == dict(zip(functional.STALLS, (2, 1, 1, 1, 1, 1), strict=True))
+    assert counts == dict(zip(functional.STALLS, (3, 1, 1, 1, 1, 1), strict=True))
 
 
 def test_a_bench_leaves_complete_records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a queue with two places, every point is hit, and each output is compared on every clock."""
     monkeypatch.setenv(VARIABLE, str(tmp_path))
     simulate("slog_fifo", "cocotb_tests.cells.test_fifo", {"Width": 1, "Depth": 2})
-    hits = merged(tmp_path.glob("*.dat"), RTL)
+    hits = merged(tmp_path.rglob("*.dat"), RTL)
     assert {p.kind for p in hits} == {"line", "branch", "toggle"}
     assert all(hits.values()), [p.name for p, count in hits.items() if not count]
-    seen = functional.collected(tmp_path.glob("*.json"))
+    seen = functional.collected(tmp_path.rglob("*.json"))
     assert seen.clocks == {"slog_fifo": 16 * 600}
     assert seen.undefined["slog_fifo", "out_valid_o"] == 0 < seen.undefined["slog_fifo", "out_data_o"]
     plan = dict.fromkeys(seen.counts, "")
