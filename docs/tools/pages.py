@@ -152,7 +152,7 @@ SECTIONS = {
     "Frames": "open_source Source Frame read_picture Fit",
     "Measurements": "Measurer View Query Measurement Reason Rules",
     "Flow, range, tracks": "measure_flow FlowField measure_range RangeMap Tracker TrackPoint TrackSettings",
-    "Calibration": "read_mono read_stereo Rectifier StereoGeometry",
+    "Calibration": "open_lens Lens open_rig Rig Rectifier StereoGeometry read_mono read_stereo",
     "Mosaics": "Registrar Registration RegistrationLimits Similarity Survey SurveySettings",
     "Hover": "StationMeter Reading Level MavlinkSink",
     "Following": "Follower Target RangeEye MotionEye",

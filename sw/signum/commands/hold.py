@@ -32,8 +32,8 @@ from signum.commands.session import Session
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
 from signum.frames.clock import FRAME_RATE
-from signum.geometry.calibration import read_mono
 from signum.report.page import write_page
+from signum.sources.open import open_lens
 from signum.world.vehicle import Current
 from signum.world.water import PAPER
 
@@ -187,7 +187,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
     rate = recorded.rate or frames.rate or FRAME_RATE
     focal = recorded.focal
     if focal is None and recorded.calibration is not None:
-        focal = float(read_mono(recorded.calibration)[0][0, 0])
+        focal = open_lens(recorded.calibration).scaled(fit.source, str(recorded.calibration)).focal
     if focal is None:
         focal = VIEW * fit.source[0]
         notes.print(f"no --focal or --calibration: taking {focal:.0f} px; metres scale with it")

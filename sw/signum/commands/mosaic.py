@@ -29,8 +29,8 @@ from signum.commands.signals import shielded
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.files import replacing
-from signum.geometry.calibration import read_mono
 from signum.measure.register import Registrar
+from signum.sources.open import open_lens
 from signum.tables.schemas import ACCURACY
 from signum.tables.table import Table
 
@@ -66,9 +66,14 @@ class GroundOptions:
         "--epsg", rich_help_panel=GROUND, min=0, max=65535, help="EPSG code of the projected coordinates of "
         "--navigation, e.g. 32755.")] = 0
 
-    def placing(self, calibration: Path | None, label: str
+    def placing(self, calibration: Path | None, label: str, size: Callable[[], tuple[int, int]]
                 ) -> Callable[[list[Pose], tuple[float, float]], Georeference | None] | None:
         """How a component of the mosaic is placed on the ground; None where nothing is known.
+
+        Args:
+            calibration: of the camera.
+            label: of the source.
+            size: width and height of its frames; called only if they matter.
 
         Raises:
             SignumError: for a range without a focal length, or a code of coordinates without any.
@@ -84,7 +89,7 @@ class GroundOptions:
         if focal is None:
             if calibration is None:
                 raise SignumError("--range needs the camera's focal length: add --focal (pixels) or --calibration")
-            focal = float(read_mono(calibration)[0][0, 0])
+            focal = open_lens(calibration).scaled(size(), str(calibration)).focal
         return partial(_scaled, self.range_m, focal)
 
 
@@ -121,7 +126,7 @@ def mosaic(
     settings = CURVED if columns is TrackKind.turned else SurveySettings(loops=columns is TrackKind.auto)
     session = Session("mosaic", board, output, source, calibration)
     known = None if truth is None else read_track(truth, session.source.label)
-    placing = ground.placing(calibration, session.source.label)
+    placing = ground.placing(calibration, session.source.label, lambda: session.first.size)
     with session as run:
         asked = SurveyRun(run.name, run.fit.source, not run.source.snapshots, board.window, board.sigma,
                           settings.columns, "" if calibration is None else str(calibration.resolve()))

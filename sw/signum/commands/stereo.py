@@ -14,18 +14,18 @@ import tifffile
 import typer
 
 from signum.commands.app import command
-from signum.commands.options import SOURCE, BoardOptions, OutOption
+from signum.commands.options import SOURCE, BoardOptions, OutOption, PairOption
 from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.errors import SourceError
 from signum.common.files import replacing, write_picture
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
-from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
+from signum.geometry.calibration import Rectifier, StereoGeometry
 from signum.measure.stereo import RangeMap, measure_range
 from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
-from signum.sources.open import open_source
+from signum.sources.open import open_rig, open_source
 from signum.tables.schemas import DISPARITY
 
 BOARD_DEFAULTS = BoardOptions(sigma=1.0, window=16)
@@ -62,26 +62,24 @@ def stereo(
     left: Annotated[str, typer.Argument(help="Left camera's picture, folder, video or bag.", show_default=False)],
     right: Annotated[str, typer.Argument(help="Right camera's picture, folder, video or bag, with as many frames "
                                          "as the left.", show_default=False)],
-    calibration: Annotated[Path | None, typer.Option(
-        "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the pair (K1 D1 K2 D2 R T image_width "
-        "image_height, T in metres): rectifies the frames, and gives ranges. Without it the frames must be rectified, "
-        "and only disparities are written.")] = None,
+    calibration: PairOption = None,
     rectified: Annotated[bool, typer.Option("--rectified", rich_help_panel=SOURCE, help="The frames are rectified "
                                             "already: use the calibration for ranges only.")] = False,
     output: OutOption = Path("out/stereo"),
     board: BoardOptions = BOARD_DEFAULTS,
     search: DisparityOptions = DISPARITY_DEFAULTS,
 ) -> None:
-    """Range from a stereo pair: `range.png`, `range.tiff`, `points.ply`, `disparity.csv`, `report.html`.
+    """Range from a stereo pair: `range.png`, `range.tiff`, `points.ply`, `disparity.csv`, `report.html`. Without a
+    calibration the frames must be rectified, and only disparities are written.
 
     Of folders and videos every frame's files carry its name, `range_0001.png`.
 
     Example: `signum stereo left.png right.png --calibration rig.yaml --out out/stereo`
     """
-    rig = read_stereo(calibration) if calibration is not None else None
-    geometry = rig.geometry if rig else None
     shares: list[float] = []
     session, other = Session("stereo", board, output, left), open_source(right)
+    rig = open_rig(calibration).rectifier(session.first.size) if calibration is not None else None
+    geometry = rig.geometry if rig else None
     with session as run:
         pairs = _pairs(run, other, None if rectified else rig)
         table = run.table("disparity.csv", DISPARITY)

@@ -151,7 +151,7 @@ def test_undistortion(tmp_path: Path) -> None:
     inside = np.s_[20:-20, 20:-20]
     assert np.abs(frame.picture[inside].astype(float) - true[inside]).mean() < 1.5
     write_picture(tmp_path / "in" / "1.png", true[:100])
-    with pytest.raises(CalibrationError, match="is for 192x144, frame 1 is 192x100"):
+    with pytest.raises(CalibrationError, match=r"frame 1: is for 192x144 \(aspect 1.333\), the frames are 192x100"):
         list(open_source(tmp_path / "in", path))
     with pytest.raises(CalibrationError, match=r"no such file.*\(expected: calibration\)"):
         open_source(tmp_path / "in", tmp_path / "none.yaml")
