@@ -31,7 +31,8 @@ WIDE = 0.3, -0.05, 0.02, -0.01
 
 
 def _info(store: Any, ros1: bool, shift: float = 0.0, model: str = "plumb_bob",
-          d: tuple[float, ...] = (-0.2, 0.05, 0, 0, 0), binning: tuple[int, int] = (0, 0), roi: tuple[int, int, int, int] = (0, 0, 0, 0)) -> Any:
+          d: tuple[float, ...] = (-0.2, 0.05, 0, 0, 0), binning: tuple[int, int] = (0, 0),
+          roi: tuple[int, int, int, int] = (0, 0, 0, 0)) -> Any:
     time = store.types["builtin_interfaces/msg/Time"](3, 0)
     header = store.types["std_msgs/msg/Header"](**({"seq": 0} if ros1 else {}), stamp=time, frame_id="camera")
     x, y, width, height = roi
