@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass, field
+from datetime import date
 from pathlib import Path
 from typing import Annotated
 
@@ -21,8 +22,8 @@ from signum.applications.calibrate.result import (
     view_rows,
 )
 from signum.applications.calibrate.solve import LEAST_VIEWS, LensFit, LensModel, RigFit, fit_lens, fit_rig
-from signum.applications.calibrate.target import DICTIONARIES, Sighting, Target, TargetKind
-from signum.applications.calibrate.views import BoardView, choose, look
+from signum.applications.calibrate.target import DICTIONARIES, Sighting, SquareBoard, TargetKind
+from signum.applications.calibrate.views import BoardView, choose, frames_looked_at, look
 from signum.commands.app import command
 from signum.commands.options import SOURCE, OutOption
 from signum.commands.outputs import Outputs, identity
@@ -30,6 +31,7 @@ from signum.common.arrays import Image
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
+from signum.common.version import VERSION
 from signum.frames.frame import Frame, Source
 from signum.geometry.calibration import calibration_text
 from signum.geometry.coverage import hints
@@ -63,7 +65,7 @@ class TargetOptions:
         "--dictionary", rich_help_panel=TARGET, help="Set of a ChArUco board's markers, as OpenCV names it.",
     )] = "5X5_100"
 
-    def board(self) -> Target:
+    def board(self) -> SquareBoard:
         """The board.
 
         Raises:
@@ -75,7 +77,7 @@ class TargetOptions:
         marker = 0.75 * self.square if self.marker is None else self.marker
         if marker >= self.square:
             raise SignumError(f"--marker {marker:g}: a marker lies within a square of {self.square:g} m")
-        return Target(self.target, (self.across, self.down), self.square, marker, name)
+        return SquareBoard(self.target, (self.across, self.down), self.square, marker, name)
 
 
 @dataclass
@@ -125,10 +127,11 @@ def calibrate(
             out.print(f"{path}: {target}; print it without scaling to fit, fix it to a flat plate, measure a square")
             return
         found, target = _look(target, sources)
-        _calibrate(outputs, target, found, model, most)
+        label = " and ".join(one.label for one in sources)
+        _calibrate(outputs, label, target, found, model, most)
 
 
-def _look(target: Target, sources: list[Source]) -> tuple[_Found, Target]:
+def _look(target: SquareBoard, sources: list[Source]) -> tuple[_Found, SquareBoard]:
     """All views of the board; of one that is laid out otherwise than asked for, which is said."""
     found = _search(target, sources)
     if any(seen is not None for view in found.views for seen in view.seen):
@@ -141,9 +144,9 @@ def _look(target: Target, sources: list[Source]) -> tuple[_Found, Target]:
     return _search(other, sources), other
 
 
-def _search(target: Target, sources: list[Source]) -> _Found:
+def _search(target: SquareBoard, sources: list[Source]) -> _Found:
     found = _Found()
-    with progress("looking for the board", None) as tell:
+    with progress("looking for the board", frames_looked_at(sources[0])) as tell:
         for view, frames in look(target, sources):
             found.views.append(view)
             if all(seen is not None for seen in view.seen):
@@ -162,7 +165,7 @@ def _keep(kept: list[Image], frame: Frame, number: int) -> None:
         kept[number.bit_length() % EMPTY] = frame.grey
 
 
-def _calibrate(outputs: Outputs, target: Target, found: _Found, model: LensModel, most: int) -> None:
+def _calibrate(outputs: Outputs, source: str, target: SquareBoard, found: _Found, model: LensModel, most: int) -> None:
     """Each camera, then the pair; everything is written."""
     size = found.views[0].size
     cameras = len(found.views[0].seen)
@@ -178,19 +181,22 @@ def _calibrate(outputs: Outputs, target: Target, found: _Found, model: LensModel
             fit = fit_lens(views, size, model)
             fits.append(fit)
             for table, rows in zip(tables, (view_rows, corner_rows), strict=True):
-                for line in rows(names, side or CAMERAS[0], views, fit):
+                for line in rows(names, side or CAMERAS[0], fit):
                     table.write(line)
-            _draw(outputs, f"_{side}" * bool(side), pictures[k], fit, views)
-            _tell(side, fit, views, [names[i] for i in range(len(names)) if i not in fit.used])
+            _draw(outputs, f"_{side}" * bool(side), pictures[k], fit)
+            _tell(side, fit, [names[i] for i in range(len(names)) if i not in fit.used])
     pair = _pair(found.views, fits, most) if cameras == 2 else None
-    figures = {"rms_px": fits[0].rms_px, "views_used": float(len(fits[0].used))}
+    figures: dict[str, float | str] = {
+        "source": source, "board": str(target), "made_by": f"signum {VERSION}", "date": f"{date.today():%Y-%m-%d}",
+        "rms_px": fits[0].rms_px, "views_used": float(len(fits[0].used))}
     if pair is not None:
         figures |= {"right_rms_px": fits[1].rms_px, "pair_rms_px": pair.rms_px, "pair_rows_px": pair.rows_px,
                     "pair_views_used": float(len(pair.used))}
         swapped = float((pair.rig.turn.T @ pair.rig.move)[0]) > 0
         one, two = pictures[::-1] if swapped else pictures
         write_picture(outputs.file("rectified.png"), draw_rows(one, two, pair.rig.rectifier()))
-    write_text(outputs.file("calibration.yaml"), calibration_text(fits[0].lens, pair and pair.rig, figures))
+    write_text(outputs.file("calibration.yaml"), calibration_text(fits[0].lens, None if pair is None else pair.rig,
+                                                                   figures))
     from signum.report.folder import write_report  # plots take seconds to load
 
     write_report(outputs.folder)
@@ -206,15 +212,15 @@ def _chosen(views: Iterable[BoardView], camera: int, most: int) -> tuple[list[st
     return [seen[k][0].frame for k in picked], [seen[k][1] for k in picked]
 
 
-def _draw(outputs: Outputs, suffix: str, picture: Image, fit: LensFit, views: list[Sighting]) -> None:
-    corners = np.concatenate([views[k].corners for k in fit.used])
+def _draw(outputs: Outputs, suffix: str, picture: Image, fit: LensFit) -> None:
+    corners = np.concatenate([fit.views[k].corners for k in fit.used])
     residuals = np.concatenate([fit.residuals[k] for k in fit.used])
     write_picture(outputs.file(f"coverage{suffix}.png"), draw_coverage(picture, corners))
     write_picture(outputs.file(f"residuals{suffix}.png"), draw_residuals(picture, corners, residuals))
     write_picture(outputs.file(f"straight{suffix}.png"), draw_straight(picture, fit.lens))
 
 
-def _tell(side: str, fit: LensFit, views: list[Sighting], dropped: list[str]) -> None:
+def _tell(side: str, fit: LensFit, dropped: list[str]) -> None:
     """The camera in a line, what was left out, and what is missing."""
     k = fit.lens.matrix
     error = f" +-{fit.focal_error_px:.2f}" if np.isfinite(fit.focal_error_px) else ""
@@ -222,7 +228,7 @@ def _tell(side: str, fit: LensFit, views: list[Sighting], dropped: list[str]) ->
               f"{k[0, 2]:.2f}, {k[1, 2]:.2f} px, corners within {fit.rms_px:.3f} px RMS, {len(fit.used)} views")
     if dropped:
         notes.print(f"left out as they do not fit: {', '.join(dropped)}")
-    corners = np.concatenate([views[i].corners for i in fit.used])
+    corners = np.concatenate([fit.views[i].corners for i in fit.used])
     for hint in hints(corners, fit.lens.size, fit.tilts_deg()[fit.used], fit.rms_px):
         notes.print(f"{side} camera: {hint}".removeprefix(" "))
 

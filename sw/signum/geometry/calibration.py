@@ -75,13 +75,13 @@ def read_stereo(path: Path, size: tuple[int, int] | None = None) -> Rectifier:
     return read_rig(path).rectifier(size)
 
 
-def calibration_text(lens: Lens, rig: Rig | None = None, figures: Mapping[str, float] | None = None) -> str:
+def calibration_text(lens: Lens, rig: Rig | None = None, figures: Mapping[str, float | str] | None = None) -> str:
     """A calibration as OpenCV's YAML, which the functions above read.
 
     Args:
         lens: the camera, of a pair the left one.
         rig: the pair; T is in metres.
-        figures: more numbers for the reader of the file, by their names.
+        figures: more numbers and texts for the reader of the file, by their names.
     """
     storage = cv2.FileStorage("calibration.yaml", cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
     storage.write("image_width", lens.size[0])
@@ -95,5 +95,5 @@ def calibration_text(lens: Lens, rig: Rig | None = None, figures: Mapping[str, f
     for name, value in values.items():
         storage.write(name, np.asarray(value, np.float64))
     for name, figure in (figures or {}).items():
-        storage.write(name, float(figure))
+        storage.write(name, figure)
     return str(storage.releaseAndGetString())

@@ -106,7 +106,7 @@ def test_foxglove_s_calibration(tmp_path: Path) -> None:
                    "distortion_model": "rational_polynomial", "D": [0.1] * 8, "K": K.tolist(), "R": EYE.tolist(),
                    "P": []}
         writer.add_message(channel, 0, json.dumps(message).encode(), 0)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
     lens = open_lens(path)
     assert lens.size == (320, 240) and lens.distortion.tolist() == [0.1] * 8
 

@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 
 from signum.applications.calibrate.solve import LensFit
-from signum.applications.calibrate.target import Sighting
 from signum.common.arrays import Floats, Image
 from signum.geometry.coverage import CELLS, corner_counts
 from signum.geometry.lens import Lens
@@ -22,19 +21,19 @@ LINES = 12
 """Rows that are drawn across a rectified pair."""
 
 
-def view_rows(names: Sequence[str], camera: str, views: Sequence[Sighting], fit: LensFit) -> list[list[str]]:
+def view_rows(names: Sequence[str], camera: str, fit: LensFit) -> list[list[str]]:
     """Lines of `views.csv`."""
     used, tilts = set(fit.used), fit.tilts_deg()
     return [[name, camera, str(int(k in used)), str(len(view.ids)),
              f"{np.sqrt((fit.residuals[k] ** 2).sum(1).mean()):.4f}", f"{np.linalg.norm(fit.moves[k]):.4f}",
-             f"{tilts[k]:.2f}"] for k, (name, view) in enumerate(zip(names, views, strict=True))]
+             f"{tilts[k]:.2f}"] for k, (name, view) in enumerate(zip(names, fit.views, strict=True))]
 
 
-def corner_rows(names: Sequence[str], camera: str, views: Sequence[Sighting], fit: LensFit) -> list[list[str]]:
+def corner_rows(names: Sequence[str], camera: str, fit: LensFit) -> list[list[str]]:
     """Lines of `corners.csv`."""
     used = set(fit.used)
     return [[name, camera, str(int(k in used)), *(f"{v:.3f}" for v in (*at, *off))]
-            for k, (name, view) in enumerate(zip(names, views, strict=True))
+            for k, (name, view) in enumerate(zip(names, fit.views, strict=True))
             for at, off in zip(view.corners, fit.residuals[k], strict=True)]
 
 

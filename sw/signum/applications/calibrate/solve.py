@@ -27,6 +27,8 @@ OUTLYING = 3.0
 """A view is left out if its residual is so many times the median one, and over OUTLYING_PX."""
 OUTLYING_PX = 0.3
 """Residual of a view up to which it is used in any case, pixels."""
+MOST_TRIMMED = 0.1
+"""Share of a view's corners that may be left out; with more the view itself is in question."""
 OFTEN = cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-9
 """When the calibration has converged: steps, and change."""
 
@@ -45,6 +47,7 @@ class LensFit:
 
     Attributes:
         lens: the camera.
+        views: the corners, without single ones that lie far from the computed ones.
         used: numbers of the views it was computed from.
         turns: of every view's board (n, 3), rotation vector to the camera's axes.
         moves: of every view's board (n, 3), translation, metres.
@@ -53,6 +56,7 @@ class LensFit:
     """
 
     lens: Lens
+    views: list[Sighting]
     used: list[int]
     turns: Floats
     moves: Floats
@@ -98,20 +102,37 @@ def fit_lens(views: Sequence[Sighting], size: tuple[int, int], model: LensModel)
     Raises:
         SignumError: if they are too few, or no camera explains them.
     """
-    used = list(range(len(views)))
-    for _ in range(3):
+    kept, used = list(views), list(range(len(views)))
+    for step in range(4):
         if len(used) < LEAST_VIEWS:
             raise SignumError(f"{len(used)} views of the board that fit together; {LEAST_VIEWS} are needed, 15 are "
                               "good: move and tilt the board, and check its squares")
-        lens, error = _calibrate([views[k] for k in used], size, model)
-        turns, moves, residuals = _places(views, lens)
+        lens, error = _calibrate([kept[k] for k in used], size, model)
+        turns, moves, residuals = _places(kept, lens)
+        if step == 0:
+            trimmed = _trimmed(kept, residuals)
+            if any(len(a.ids) != len(b.ids) for a, b in zip(kept, trimmed, strict=True)):
+                kept = trimmed
+                continue
         each = np.array([_rms([r]) for r in residuals])
         limit = max(OUTLYING_PX, OUTLYING * float(np.median(each[used])))
         fitting = [k for k in used if each[k] <= limit]
         if fitting == used:
             break
         used = fitting
-    return LensFit(lens, used, turns, moves, residuals, error)
+    return LensFit(lens, kept, used, turns, moves, residuals, error)
+
+
+def _trimmed(views: list[Sighting], residuals: list[Floats]) -> list[Sighting]:
+    """The views without single corners that were found at a wrong place; a view with many such stays as it is."""
+    sizes = [np.hypot(*r.T) for r in residuals]
+    limit = max(2 * OUTLYING_PX, OUTLYING * float(np.median(np.concatenate(sizes))))
+    out = []
+    for view, size in zip(views, sizes, strict=True):
+        good = size <= limit
+        few = int((~good).sum()) <= MOST_TRIMMED * len(good)
+        out.append(Sighting(view.ids[good], view.points[good], view.corners[good]) if few else view)
+    return out
 
 
 def _calibrate(views: Sequence[Sighting], size: tuple[int, int], model: LensModel) -> tuple[Lens, float]:

@@ -23,7 +23,7 @@ from signum.common.errors import SignumError
 LEAST_CORNERS = 8
 """Fewest corners of a view that is used."""
 SEARCHED = 640
-"""Longer side of the picture in which a chessboard is looked for before it is looked for in the whole one, pixels."""
+"""Longer side of the picture in which squares are looked for before a chessboard is in the whole one, pixels."""
 CLEAR = 0.7
 """Half side of the window in which a ChArUco corner is refined, as a share of the gap between corner and marker."""
 ENOUGH = cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 40, 1e-3
@@ -73,7 +73,7 @@ class Sighting:
 
 
 @dataclass(frozen=True)
-class Target:
+class SquareBoard:
     """A board.
 
     Attributes:
@@ -119,7 +119,7 @@ class Target:
                 out[(j + 1) * pixels:(j + 2) * pixels, (i + 1) * pixels:(i + 2) * pixels] = 0
         return out
 
-    def other(self, pictures: Sequence[Image]) -> Target | None:
+    def other(self, pictures: Sequence[Image]) -> SquareBoard | None:
         """A board of another kind of layout that is found where this one is not; None if there is none.
 
         Looked for: the older ChArUco layout, rows and columns exchanged, other sets of markers, and a chessboard whose
@@ -180,16 +180,17 @@ class Target:
     def _grid(self) -> Floats:
         """Inner corners in the order of their numbers: (n, 3) metres."""
         i, j = np.meshgrid(np.arange(1, self.squares[0]), np.arange(1, self.squares[1]))
-        return np.stack([i.ravel(), j.ravel(), np.zeros(i.size)], -1) * self.square_m
+        return np.asarray(np.stack([i.ravel(), j.ravel(), np.zeros(i.size)], -1) * self.square_m, np.float64)
 
     def _chessboard(self, picture: Image) -> Floats | None:
-        """All inner corners (n, 2), or None. A picture without a board takes long, so a small one is searched first."""
+        """All inner corners (n, 2), or None. The search takes long where there is no board: a quick one, in a small
+        picture, goes before."""
         inner = self.squares[0] - 1, self.squares[1] - 1
         factor = min(1.0, SEARCHED / max(picture.shape))
-        if factor < 1:
-            small = cv2.resize(picture, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
-            if not cv2.checkChessboard(small, inner):
-                return None
+        small = picture if factor == 1 else cv2.resize(picture, None, fx=factor, fy=factor,
+                                                       interpolation=cv2.INTER_AREA)
+        if not cv2.checkChessboard(np.asarray(small, np.uint8), inner):
+            return None
         flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
         found, corners = cv2.findChessboardCornersSB(picture, inner, flags=flags)
         return np.asarray(corners, np.float64).reshape(-1, 2) if found else None

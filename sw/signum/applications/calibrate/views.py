@@ -9,7 +9,7 @@ from itertools import islice, zip_longest
 
 import numpy as np
 
-from signum.applications.calibrate.target import LEAST_CORNERS, Sighting, Target
+from signum.applications.calibrate.target import LEAST_CORNERS, Sighting, SquareBoard
 from signum.common.arrays import Floats
 from signum.common.errors import SourceError
 from signum.frames.frame import Frame, Source, size_text
@@ -48,7 +48,7 @@ class BoardView:
         return one, two
 
 
-def look(target: Target, sources: Sequence[Source]) -> Iterator[tuple[BoardView, tuple[Frame, ...]]]:
+def look(target: SquareBoard, sources: Sequence[Source]) -> Iterator[tuple[BoardView, tuple[Frame, ...]]]:
     """The views of a board, one for each frame that is looked at, with the frames.
 
     Args:
@@ -58,9 +58,7 @@ def look(target: Target, sources: Sequence[Source]) -> Iterator[tuple[BoardView,
     Raises:
         SourceError: if frames differ in number or, of one camera, in size.
     """
-    count = sources[0].count or 0
-    step = max(1, -(-count // MOST_LOOKED_AT))
-    for frames in islice(zip_longest(*sources), 0, None, step):
+    for frames in islice(zip_longest(*sources), 0, None, _step(sources[0])):
         if any(frame is None for frame in frames):
             short = sources[[frame is None for frame in frames].index(True)]
             raise SourceError(f"{short.label}: fewer frames than the other camera's: give frames of the same moments")
@@ -69,6 +67,15 @@ def look(target: Target, sources: Sequence[Source]) -> Iterator[tuple[BoardView,
                               f"{size_text(frames[1].size)}: both cameras must give pictures of one size")
         seen = [target.find(frame.grey) for frame in frames]
         yield BoardView(frames[0].name, frames[0].size, tuple(_alike(seen))), frames
+
+
+def frames_looked_at(source: Source) -> int | None:
+    """How many of a source's frames `look` gives; None if it is not known."""
+    return None if source.count is None else -(-source.count // _step(source))
+
+
+def _step(source: Source) -> int:
+    return max(1, -(-(source.count or 0) // MOST_LOOKED_AT))
 
 
 def _alike(seen: list[Sighting | None]) -> list[Sighting | None]:

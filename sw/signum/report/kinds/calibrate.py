@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
 
 from signum.common.arrays import Floats
 from signum.geometry.calibration import read_lens, read_rig
@@ -28,12 +29,15 @@ def sections(folder: Path) -> list[Section]:
     views, corners = read_table(folder / "views.csv", VIEWS), read_table(folder / "corners.csv", CORNERS)
     cameras = list(views.groups("camera"))
     pair = read_rig(path) if len(cameras) == 2 else None
-    out = []
+    entries = read_entries(path)
+    known = [(word, str(entries.tree[name])) for word, name in (
+        ("pictures of", "source"), ("board", "board"), ("made by", "made_by"), ("on", "date")) if entries.has(name)]
+    out = [Section("Calibration", paragraph("calibration.yaml in this folder is what --calibration takes.")
+                   + table(("", ""), known))]
     for camera in cameras:
         lens = pair.second if pair and camera == "right" else read_lens(path)
         out.append(_camera(folder, lens, views, corners, camera, f"_{camera}" * bool(pair)))
     if pair is not None:
-        entries = read_entries(path)
         lines = [("baseline, m", f"{np.linalg.norm(pair.move):.4f}"),
                  ("corners from the computed ones, px RMS", f"{entries.tree.get('pair_rms_px', np.nan):.3f}"),
                  ("rows of a corner in the rectified pair, median difference, px",
@@ -72,9 +76,9 @@ def _camera(folder: Path, lens: Lens, views: Columns, corners: Columns, camera: 
              picture(folder / f"straight{suffix}.png", "a view, and the same without distortion: straight edges are "
                      "straight")]
     title = f"The {camera} camera" if suffix else "The camera"
-    return Section(title, said + table(("", ""), lines) + row([*shown, plot(_radial(lens, at, off), "residuals away "
-                                                                            "from the middle: a curve that leaves 0 "
-                                                                            "is what the model cannot follow")]))
+    radial = plot(_radial(lens, at, off), "residuals away from the middle: a red curve that leaves 0 is what the model "
+                  "cannot follow")
+    return Section(title, said + table(("", ""), lines) + row(shown[:2]) + row([shown[2], radial]))
 
 
 def field_of_view(lens: Lens) -> tuple[float, float]:
@@ -86,7 +90,7 @@ def field_of_view(lens: Lens) -> tuple[float, float]:
     return float(np.ptp(x)), float(np.ptp(y))
 
 
-def _radial(lens: Lens, at: Floats, off: Floats) -> plt.Figure:
+def _radial(lens: Lens, at: Floats, off: Floats) -> Figure:
     """Residuals along the radius over the distance from the principal point, and their mean in rings."""
     from_middle = at - lens.matrix[:2, 2]
     radius = np.hypot(*from_middle.T)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from signum.applications.calibrate.target import Target, TargetKind
+from signum.applications.calibrate.target import SquareBoard, TargetKind
 from signum.common.arrays import Floats, Image
 from signum.geometry.lens import Lens
 
@@ -15,8 +15,8 @@ FINE = 2
 """Rays across and down a pixel."""
 SQUARE_PX = 60
 """Side of a square of the board's texture, pixels."""
-CHARUCO = Target(TargetKind.charuco, (11, 8), 0.03, 0.0225, "5X5_100")
-CHESSBOARD = Target(TargetKind.chessboard, (10, 7), 0.03, 0.02, "5X5_100")
+CHARUCO = SquareBoard(TargetKind.charuco, (11, 8), 0.03, 0.0225, "5X5_100")
+CHESSBOARD = SquareBoard(TargetKind.chessboard, (10, 7), 0.03, 0.02, "5X5_100")
 SIZE = 480, 360
 NARROW = Lens(np.array([[420.0, 0, 243.3], [0, 417.0, 177.8], [0, 0, 1]]),
               np.array([-0.28, 0.09, 0.0008, -0.0005, 0.0]), SIZE)
@@ -42,11 +42,12 @@ def poses(count: int, seed: int, reach: float, near: float, far: float, tilt_deg
     middle = np.array([*CHARUCO.squares, 0]) * CHARUCO.square_m / 2
     out = []
     for k in range(count):
-        x, y = (k % 3 - 1, k // 3 % 3 - 1) + rng.uniform(-0.25, 0.25, 2)
+        x, y = np.array([k % 3 - 1, k // 3 % 3 - 1]) + rng.uniform(-0.25, 0.25, 2)
         z = float(rng.uniform(near, far))
         around = np.deg2rad(np.append(rng.uniform(-tilt_deg, tilt_deg, 2), rng.uniform(-25, 25)))
         turn = np.asarray(cv2.Rodrigues(around)[0], np.float64)
-        out.append((turn, np.array([x * reach * z, 0.75 * y * reach * z, z]) - turn @ middle))
+        move = np.array([x * reach * z, 0.75 * y * reach * z, z])
+        out.append((turn, np.asarray(move - turn @ middle)))
     return out
 
 
@@ -59,7 +60,7 @@ class Scene:
         seed: of the noise.
     """
 
-    def __init__(self, lens: Lens, target: Target, seed: int = 0) -> None:
+    def __init__(self, lens: Lens, target: SquareBoard, seed: int = 0) -> None:
         self.lens, self.target = lens, target
         self._texture = cv2.GaussianBlur(target.draw(SQUARE_PX).astype(np.float32), (0, 0), 1.0)
         self._rng = np.random.default_rng(seed)
@@ -112,7 +113,7 @@ def through_port(points: Floats, lens: Lens, gap: float, index: float = 1.333) -
     return lens.project(np.stack([points[:, 0] * factor, points[:, 1] * factor, np.ones(len(r))], -1))
 
 
-def chessboard_points(target: Target) -> Floats:
+def chessboard_points(target: SquareBoard) -> Floats:
     """Inner corners (n, 3), metres, of a board."""
     i, j = np.meshgrid(np.arange(1, target.squares[0]), np.arange(1, target.squares[1]))
-    return np.stack([i.ravel(), j.ravel(), np.zeros(i.size)], -1) * target.square_m
+    return np.asarray(np.stack([i.ravel(), j.ravel(), np.zeros(i.size)], -1) * target.square_m, np.float64)

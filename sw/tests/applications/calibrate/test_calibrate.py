@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from signum.applications.calibrate.solve import LensModel, fit_lens, fit_rig
-from signum.applications.calibrate.target import Sighting, Target, TargetKind
+from signum.applications.calibrate.target import Sighting, SquareBoard, TargetKind
 from signum.applications.calibrate.views import choose
 from signum.commands.cli import application
 from signum.common.arrays import Floats
@@ -78,12 +78,9 @@ def test_a_camera_from_pictures_of_a_charuco_board(tmp_path: Path) -> None:
     assert undistortion_error(lens, NARROW) < 0.5
     assert "the board in 14 of 15 frames" in result.stderr
     page = (out / "report.html").read_text()
-    assert page.count("data:image/png") == 4 and "http" not in page and "field of view" in page
-    used = _run("filter", tmp_path / "in" / "1.png", "--out", tmp_path / "f")
-    assert used.exit_code == 0
-    flow = _run("flow", tmp_path / "in", "--calibration", out / "calibration.yaml", "--pictures", "0", "--step", "128",
-                "--out", tmp_path / "flow")
-    assert flow.exit_code == 0, flow.output
+    assert page.count("data:image/png") == 4 and "://" not in page and "field of view" in page
+    used = _run("track", tmp_path / "in", "--calibration", out / "calibration.yaml", "--out", tmp_path / "track")
+    assert used.exit_code == 0, used.output
 
 
 def test_a_fisheye_camera_from_pictures() -> None:
@@ -101,18 +98,20 @@ def test_a_pair_from_pictures_of_a_chessboard(tmp_path: Path) -> None:
     scenes = Scene(NARROW, CHESSBOARD, 1), Scene(RIGHT, CHESSBOARD, 2)
     for side in ("left", "right"):
         (tmp_path / side).mkdir()
-    for k, pose in enumerate(poses(9, 5, 0.16, 0.55, 0.75, 35.0)):
+    for k, pose in enumerate(poses(9, 5, 0.2, 0.5, 0.7, 35.0)):
         for side, scene, place in zip(("left", "right"), scenes, (pose, beside(pose, TURN, MOVE)), strict=True):
             write_picture(tmp_path / side / f"{k}.png", scene.picture(place))
     out = tmp_path / "out"
-    result = _run("calibrate", tmp_path / "left", "--right", tmp_path / "right", "--target", "chessboard", "--across", "9",
-                  "--down", "6", "--out", out)
+    result = _run("calibrate", tmp_path / "left", "--right", tmp_path / "right", "--target", "chessboard", "--across",
+                  "10", "--down", "7", "--out", out)
     assert result.exit_code == 0, result.output
-    assert "but chessboard of 10 x 7 squares" in result.stderr, "inner corners were counted"
     rig = open_rig(out / "calibration.yaml")
     assert np.linalg.norm(rig.move) == pytest.approx(0.08, abs=0.0008)
-    off = np.asarray(cv2.Rodrigues(rig.turn @ TURN.T)[0], np.float64)
-    assert np.degrees(np.linalg.norm(off)) < 0.3
+    points = np.random.default_rng(0).uniform((-0.15, -0.1, 0.5), (0.2, 0.1, 0.9), (100, 3))
+    seen = rig.first.rays(NARROW.project(points)), rig.second.rays(RIGHT.project(points, TURN, MOVE))
+    found = np.asarray(cv2.triangulatePoints(np.eye(3, 4), np.c_[rig.turn, rig.move], seen[0].T, seen[1].T), np.float64)
+    ranges = np.linalg.norm(found[:3] / found[3], axis=0) / np.linalg.norm(points, axis=1)
+    assert np.abs(ranges - 1).max() < 0.01
     assert "rows of the rectified pair within 0.0" in result.stdout
     page = (out / "report.html").read_text()
     assert page.count("data:image/png") == 9 and "The pair" in page and "Only 9 views" in page
@@ -137,7 +136,8 @@ def test_a_pair_of_fisheye_cameras() -> None:
         kept = np.flatnonzero(((np.c_[one, two] >= 0) & (np.c_[one, two] <= np.array([*SIZE, *SIZE]) - 1)).all(1))
         if len(kept) >= 12:
             views.append((Sighting(kept, points[kept], one[kept]), Sighting(kept, points[kept], two[kept])))
-    views[2] = views[2][0], Sighting(views[2][1].ids, views[2][1].points, views[2][1].corners + (9.0, 4.0))
+    views[2] = views[2][0], Sighting(views[2][1].ids, views[2][1].points,
+                                          views[2][1].corners + np.array([9.0, 4.0]))
     fit = fit_rig(views, FISHEYE, FISHEYE)
     assert 2 not in fit.used and len(fit.used) == len(views) - 1, "a pair of other moments is left out"
     assert np.allclose(fit.rig.move, MOVE, atol=1e-5) and np.allclose(fit.rig.turn, TURN, atol=1e-5)
@@ -151,6 +151,11 @@ def test_views_that_do_not_fit_are_left_out() -> None:
     fit = fit_lens(views, SIZE, LensModel.pinhole)
     assert 4 not in fit.used and len(fit.used) >= len(views) - 2
     assert undistortion_error(fit.lens, NARROW) < 0.25
+    wrong = views[7].corners.copy()
+    wrong[3] += 5.0
+    views[7] = Sighting(views[7].ids, views[7].points, wrong)
+    again = fit_lens(views, SIZE, LensModel.pinhole)
+    assert 7 in again.used and len(again.views[7].ids) == len(wrong) - 1, "only the corner is left out"
     with pytest.raises(SignumError, match="3 views of the board"):
         fit_lens(views[:3], SIZE, LensModel.pinhole)
 
@@ -159,7 +164,7 @@ def _hints(lens: Lens, places: list[Pose]) -> tuple[list[str], float]:
     """What is said of a calibration from these places, and the error of its undistortion."""
     views = _corners(lens, places)
     fit = fit_lens(views, SIZE, LensModel.pinhole)
-    corners: Floats = np.concatenate([views[k].corners for k in fit.used])
+    corners: Floats = np.concatenate([fit.views[k].corners for k in fit.used])
     return hints(corners, SIZE, fit.tilts_deg()[fit.used], fit.rms_px), undistortion_error(fit.lens, lens)
 
 
@@ -169,7 +174,8 @@ def test_thin_coverage_is_said_and_is_worse() -> None:
     middle, off = _hints(NARROW, poses(20, 7, 0.05, 0.8, 1.0))
     assert any("in all directions" in h or "bring it also to the upper left" in h for h in middle)
     assert any("beyond that the distortion is a guess" in h for h in middle) and off > 3 * good
-    corner, off = _hints(NARROW, [(t, m + (0.12, 0.08, 0)) for t, m in poses(20, 7, 0.05, 0.6, 0.7)])
+    aside = [(turn, move + np.array([0.2, 0.14, 0])) for turn, move in poses(20, 7, 0.05, 0.6, 0.7)]
+    corner, off = _hints(NARROW, aside)
     assert any("upper left" in h and "lower right" not in h for h in corner) and off > 3 * good
     flat, off = _hints(NARROW, poses(20, 7, 0.36, 0.3, 0.5, 3.0))
     assert any("Tilt it by 20 to 45 degrees" in h for h in flat)
@@ -177,48 +183,57 @@ def test_thin_coverage_is_said_and_is_worse() -> None:
     assert any(h.startswith("Only 8 views") for h in few)
 
 
-def test_a_flat_port_is_followed_at_the_range_it_was_calibrated_at() -> None:
-    """Through a flat port straight lines bend by the range: the model is exact nowhere, and good near the ranges of the
-    calibration. The figures stand in docs/guides/calibrate.md."""
-    lens = Lens(NARROW.matrix, np.zeros(5), SIZE)
-    points, places = chessboard_points(CHESSBOARD), poses(24, 11, 0.27, 0.5, 0.9)
-    errors = {}
-    for gap in (0.01, 0.05):
-        views = []
-        for turn, move in places:
-            seen = through_port(points @ turn.T + move, lens, gap)
-            kept = np.flatnonzero(((seen >= 0) & (seen <= np.array(SIZE) - 1)).all(1))
-            if len(kept) >= 12:
-                views.append(Sighting(kept, points[kept], seen[kept]))
-        fit = fit_lens(views, SIZE, LensModel.pinhole)
-        assert fit.lens.focal == pytest.approx(1.333 * lens.focal, rel=0.02)
-        for distance in (0.7, 3.0):
-            rays = np.stack(np.meshgrid(np.linspace(-0.4, 0.4, 9), np.linspace(-0.3, 0.3, 7)), -1).reshape(-1, 2)
-            cloud = np.c_[rays * distance, np.full(len(rays), distance)]
-            off = through_port(cloud, lens, gap) - fit.lens.project(cloud)
-            off = off - off.mean(0)
-            errors[gap, distance] = float(np.hypot(*off.T).max())
-    assert errors[0.01, 0.7] < 0.5 and errors[0.01, 3.0] < 2.5
-    assert errors[0.05, 3.0] > 5 * errors[0.05, 0.7] > 0 and errors[0.05, 3.0] > 2 * errors[0.01, 3.0]
+def _through_port(gap: float) -> tuple[float, list[tuple[float, float]]]:
+    """A camera calibrated at 0.5 to 0.9 m through a flat port at `gap` metres: its focal length against that in air,
+    and for a plane at 0.3, 0.7 and 5 m the largest residual in pixels and the error of its range in metres."""
+    lens, points, views = Lens(NARROW.matrix, np.zeros(5), SIZE), chessboard_points(CHESSBOARD), []
+    for turn, move in poses(24, 11, 0.27, 0.5, 0.9):
+        seen = through_port(points @ turn.T + move, lens, gap)
+        kept = np.flatnonzero(((seen >= 0) & (seen <= np.array(SIZE) - 1)).all(1))
+        views.append(Sighting(kept, points[kept], seen[kept]))
+    fit = fit_lens(views, SIZE, LensModel.pinhole)
+    grid = np.stack(np.meshgrid(np.linspace(-0.4, 0.4, 9), np.linspace(-0.3, 0.3, 7)), -1).reshape(-1, 2)
+    out = []
+    for away in (0.3, 0.7, 5.0):
+        plane = np.c_[grid * away, np.zeros(len(grid))]
+        seen = through_port(plane + np.array([0, 0, away]), lens, gap)
+        _, around, shift = cv2.solvePnP(plane, fit.lens.rays(seen), np.eye(3), None)
+        place = np.asarray(around, np.float64).ravel(), np.asarray(shift, np.float64).ravel()
+        off = seen - fit.lens.project(plane, *place)
+        out.append((float(np.hypot(*off.T).max()), float(place[1][2] - away)))
+    return fit.lens.focal / lens.focal, out
+
+
+def test_a_flat_port_is_followed_near_the_ranges_of_the_calibration() -> None:
+    """No single model is right at all ranges behind a flat port. The figures stand in docs/guides/calibrate.md."""
+    for gap, near, middle, far in ((0.01, 0.5, 0.1, 0.5), (0.05, 1.6, 0.2, 1.8)):
+        focal, errors = _through_port(gap)
+        assert focal == pytest.approx(1.333, rel=0.006)
+        assert errors[0][0] < near and errors[1][0] < middle and errors[2][0] < far, errors
+        assert errors[2][0] > 3 * errors[1][0], "it grows away from the calibration's ranges"
+        assert all(0.15 * gap < off < 0.42 * gap for _, off in errors), "ranges count from a place behind the pupil"
 
 
 def test_views_that_differ_are_chosen() -> None:
     outline = np.array([[0.0, 0], [100, 0], [100, 70], [0, 70]])
     still = [outline + k * 0.5 for k in range(20)]
-    moved = [outline + (40 * k, 0) for k in range(8)]
-    assert choose([*still, *moved], 480, 40) == [*choose(still, 480, 40)[:1], *range(21, 28)] or len(
-        choose([*still, *moved], 480, 40)) <= 10
-    assert len(choose(moved, 480, 3)) == 3 and choose([], 480, 3) == []
+    moved = [outline + np.array([40 * k, 0]) for k in range(8)]
+    assert len(choose(still, 480, 40)) == 1
+    assert set(range(21, 28)) < set(choose([*still, *moved], 480, 40)) and len(choose([*still, *moved], 480, 40)) < 10
+    assert choose(moved, 480, 2)[-1] == 7 and choose([], 480, 3) == []
 
 
 def test_a_board_that_is_laid_out_otherwise_is_found() -> None:
-    older = Target(TargetKind.charuco, (8, 6), 0.03, 0.0225, "4X4_50", True)
-    picture = cv2.GaussianBlur(older.draw(40), (0, 0), 1)
-    asked = Target(TargetKind.charuco, (6, 8), 0.03, 0.0225, "5X5_100")
+    older = SquareBoard(TargetKind.charuco, (8, 6), 0.03, 0.0225, "4X4_50", True)
+    picture = np.asarray(cv2.GaussianBlur(older.draw(40), (0, 0), 1), np.uint8)
+    asked = SquareBoard(TargetKind.charuco, (6, 8), 0.03, 0.0225, "5X5_100")
     assert asked.find(picture) is None
     found = asked.other([picture])
     assert found is not None and (found.squares, found.dictionary, found.legacy) == ((8, 6), "4X4_50", True)
-    assert asked.other([np.full((200, 200), 90, np.uint8)]) is None
+    inner = SquareBoard(TargetKind.chessboard, (9, 6), 0.03, 0.02, "")
+    counted = inner.other([np.asarray(cv2.GaussianBlur(CHESSBOARD.draw(30), (0, 0), 1), np.uint8)])
+    assert counted is not None and counted.squares == CHESSBOARD.squares, "inner corners were counted"
+    assert inner.other([np.full((200, 200), 90, np.uint8)]) is None
 
 
 @pytest.mark.parametrize(("arguments", "says"), [
@@ -241,6 +256,6 @@ def test_a_board_is_drawn_for_printing(tmp_path: Path) -> None:
     assert result.exit_code == 0 and "6 x 5 squares of 30 mm" in result.stdout, result.output
     drawn = cv2.imread(str(tmp_path / "target.png"), cv2.IMREAD_GRAYSCALE)
     assert drawn is not None and drawn.shape == (1400, 1600)
-    target = Target(TargetKind.charuco, (6, 5), 0.03, 0.0225, "5X5_100")
+    target = SquareBoard(TargetKind.charuco, (6, 5), 0.03, 0.0225, "5X5_100")
     found = target.find(np.asarray(cv2.resize(drawn, None, fx=0.3, fy=0.3, interpolation=cv2.INTER_AREA), np.uint8))
     assert found is not None and len(found.ids) == 20
