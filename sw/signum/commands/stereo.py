@@ -17,6 +17,7 @@ from signum.commands.app import command
 from signum.commands.options import SOURCE, BoardOptions, OutOption, PairOption
 from signum.commands.session import Session
 from signum.common.arrays import Image
+from signum.common.console import notes
 from signum.common.errors import SourceError
 from signum.common.files import replacing, write_picture
 from signum.frames.fit import Fit
@@ -30,6 +31,10 @@ from signum.tables.schemas import DISPARITY
 
 BOARD_DEFAULTS = BoardOptions(sigma=1.0, window=16)
 SEARCH = "Search"
+FEW = 0.1
+"""Share of the first pair's windows below which it is asked whether the pictures are exchanged."""
+EXCHANGED = 3.0
+"""They are if so many times as many windows are valid in the other order, and 2 FEW of all."""
 
 
 @dataclass(frozen=True)
@@ -81,15 +86,16 @@ def stereo(
     rig = open_rig(calibration).rectifier(session.first.size) if calibration is not None else None
     geometry = rig.geometry if rig else None
     with session as run:
-        pairs = _pairs(run, other, None if rectified else rig)
+        rectify = None if rectified else rig
+        pairs = _pairs(run, other)
         table = run.table("disparity.csv", DISPARITY)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                "valid")
-        for frame, pair in run.steps("stereo", pairs, run.source.count):
-            measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
-            found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
-                                  (board.window, board.window), search.step)
-            _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown[0])
+        for frame, seen in run.steps("stereo", pairs, run.source.count):
+            shown, found = _measure(run, seen, rectify, search)
+            if not shares and found.valid.mean() < FEW:
+                _tell_exchanged(run, seen, rectify, search, float(found.valid.mean()))
+            _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown)
             for line in disparity_rows(frame, found.to_source(run.fit), geometry):
                 table.write(line)
             shares.append(float(found.valid.mean()))
@@ -97,8 +103,27 @@ def stereo(
             run.tell(f"{shares[-1]:.0%} valid")
 
 
-def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple[Frame, tuple[Image, Image]]]:
-    """The left frame, and the grey pictures of both cameras, rectified."""
+def _measure(run: Session, pair: tuple[Image, Image], rig: Rectifier | None, search: DisparityOptions
+             ) -> tuple[Image, RangeMap]:
+    """The left picture as the board sees it, rectified by `rig`, and the map of a pair of grey pictures."""
+    measurer, window = run.measurer(run.fit.board), run.chosen.window
+    left, right = (run.fit.show(p) for p in (rig(*pair) if rig else pair))
+    return left, measure_range(measurer, *measurer.pair(left, right), search.disparities(run.fit), (window, window),
+                               search.step)
+
+
+def _tell_exchanged(run: Session, pair: tuple[Image, Image], rig: Rectifier | None, search: DisparityOptions,
+                    share: float) -> None:
+    """Say so if the pictures of the first pair, of which only this share of the windows is valid, suit each other in
+    the other order."""
+    other = float(_measure(run, pair[::-1], rig, search)[1].valid.mean())
+    if other > max(2 * FEW, EXCHANGED * share):
+        notes.print(f"the pictures look exchanged: {share:.0%} of the windows are valid as they are given, {other:.0%} "
+                    "in the other order; give the left camera's first")
+
+
+def _pairs(run: Session, other: Source) -> Iterator[tuple[Frame, tuple[Image, Image]]]:
+    """The left frame, and the grey pictures of both cameras."""
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for a, b in frames:
         if a is None or b is None:
@@ -107,8 +132,7 @@ def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple
         if a.size != b.size:
             raise SourceError(f"frame {a.name} is {a.size[0]}x{a.size[1]}, its right one {b.size[0]}x{b.size[1]}: "
                               "both cameras must give pictures of one size")
-        pair = grey(a.picture), grey(b.picture)
-        yield a, rig(*pair) if rig else pair
+        yield a, (grey(a.picture), grey(b.picture))
 
 
 def _write(run: Session, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Image
