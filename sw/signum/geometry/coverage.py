@@ -14,6 +14,8 @@ GOOD_VIEWS = 12
 """Views from which a calibration is steady."""
 GOOD_SHARE = 0.75
 """Share of the cells with a corner from which the coverage is good."""
+GOOD_EDGE = 0.5
+"""Share of the cells along an edge with a corner that is good."""
 GOOD_REACH = 0.8
 """Distance of the outermost corners from the middle, as a share of the picture's half diagonal, that is good."""
 TILTED_DEG = 15.0
@@ -49,6 +51,12 @@ def hints(corners: Floats, size: tuple[int, int], tilts_deg: Floats, rms_px: flo
     if share < GOOD_SHARE:
         out.append(f"The board's corners were seen in {share:.0%} of the picture only; bring it also to the "
                    f"{_regions(counts)}.")
+    else:
+        bare = [name for name, cells in (("left", counts[:, 0]), ("right", counts[:, -1]), ("upper", counts[0]),
+                                         ("lower", counts[-1])) if (cells > 0).mean() < GOOD_EDGE]
+        if bare:
+            out.append(f"Hardly any corner lies at the {' and the '.join(bare)} edge of the picture: bring the board "
+                       "there, where the distortion is largest.")
     middle = (np.array(size) - 1) / 2
     reach = float(np.hypot(*(corners - middle).T).max() / np.hypot(*middle))
     if reach < GOOD_REACH:

@@ -177,7 +177,9 @@ def test_thin_coverage_is_said_and_is_worse() -> None:
     aside = [(turn, move + np.array([0.2, 0.14, 0])) for turn, move in poses(20, 7, 0.05, 0.6, 0.7)]
     corner, off = _hints(NARROW, aside)
     assert any("upper left" in h and "lower right" not in h for h in corner) and off > 3 * good
-    flat, off = _hints(NARROW, poses(20, 7, 0.36, 0.3, 0.5, 3.0))
+    left, _ = _hints(NARROW, [(t, m) for t, m in poses(24, 7, 0.36, 0.3, 0.5) if (t @ [0.165, 0.12, 0] + m)[0] < 0.05])
+    assert any("at the right edge" in h for h in left), left
+    flat, _ = _hints(NARROW, poses(20, 7, 0.36, 0.3, 0.5, 3.0))
     assert any("Tilt it by 20 to 45 degrees" in h for h in flat)
     few, _ = _hints(NARROW, poses(8, 7, 0.36, 0.3, 0.5))
     assert any(h.startswith("Only 8 views") for h in few)
