@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`slog_frontend` against its cycle model on every clock."""
 
+import itertools
 import random
 
 import cocotb
@@ -75,6 +76,33 @@ async def bad_frames(dut, source: str) -> None:
     seen = VideoRecord(params()["GroupBits"], width)
     await check_cycles(dut, _model(), _video(rng, items, _settings(width, height, sigma), source, gap), seen.observe)
     seen.check(items, *_kernels(sigma))
+
+
+@cocotb.test()
+async def dropped_within_an_output_row(dut) -> None:
+    """The words of a row whose frame is dropped while the row is issued: the border stays where it was."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    width, height, radius = 23, 18, params()["Radius"]
+    common = _settings(width, height, 1.7)
+    words = 0
+
+    def stimulus() -> Stimulus:
+        yield common
+        for row, column in itertools.product((1, 3, radius - 1), range(13, 21)):
+            image = np.random.default_rng(rng.getrandbits(32)).integers(0, 256, (height, 1), np.uint8).repeat(width, 1)
+            # The line is issued while the next one arrives, whose start of frame drops the frame.
+            for data, user, last in good(image).beats[:width * (radius + row + 1) + column]:
+                yield {**common, "tvalid_i": 1, "tdata_i": data, "tuser_i": user, "tlast_i": last}
+            yield {**common, "tvalid_i": 1, "tuser_i": 1, "tlast_i": 1}
+            for _ in range(120):
+                yield common
+
+    def watch(_: Inputs, out: Outputs) -> None:
+        nonlocal words
+        words += out["word_valid_o"] or 0
+
+    await check_cycles(dut, _model(), stimulus(), watch)
+    assert words > 100
 
 
 @cocotb.test()

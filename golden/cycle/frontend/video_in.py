@@ -39,6 +39,10 @@ class _Tick:
 
     line: _Line | None
     out: bool = False
+    bottom: int | None = None
+    dist: int | None = None
+    """Side and distance of the border for the whole line, also if its frame is dropped meanwhile; None without an
+    output row."""
     col: int = 0
 
 
@@ -159,9 +163,9 @@ class VideoInModel:
         dies = o is not None and o.frame is killed
         if tick:
             last = tick.col == i["width_i"] - 1
-            if tick.col == 0:
-                tick.out = o is not None
             left = i["height_i"] - 1 - o.row if o else 0
+            if tick.col == 0 and o:
+                tick.out, tick.bottom, tick.dist = True, int(left < r), left if left < r else min(o.row, r)
             live = o is not None and not dies
             issue.valid = 1
             issue.px = {
@@ -169,9 +173,7 @@ class VideoInModel:
                 "px_out_o": int(tick.out), "px_live_o": int(live),
                 "px_start_o": int(live and o is not None and not o.begun),
                 "px_done_o": int(live and last and left == 0),
-                # The border is undefined without an output row.
-                "px_bottom_o": int(left < r) if o else None,
-                "px_dist_o": (left if left < r else min(o.row, r)) if o else None}
+                "px_bottom_o": tick.bottom, "px_dist_o": tick.dist}
             if o:
                 o.begun, begun = True, o.begun
                 if dies:

@@ -7,10 +7,12 @@ import errno
 import functools
 import inspect
 import os
+import shlex
 import tempfile
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
@@ -18,7 +20,7 @@ import typer
 
 from signum.boards.board import BoardError
 from signum.commands import signals
-from signum.commands.options import MegapixelsOption
+from signum.commands.options import GIVEN, MegapixelsOption
 from signum.commands.outputs import check_inputs
 from signum.common.checks import MEGAPIXELS, megapixels, option
 from signum.common.console import notes, out
@@ -80,8 +82,12 @@ def _checked(function: Callable[..., None]) -> Callable[..., None]:
             raise SignumError(f"--out {values[OUTPUT]}: expected a folder's name in UTF-8 without control characters")
         if isinstance(output := values.get(OUTPUT), Path):
             check_inputs(output, function.__name__.rstrip("_"), {k: v for k, v in values.items() if k != OUTPUT})
-        with megapixels(largest):
-            function(**values)
+        token = GIVEN.set(" ".join(chain.from_iterable(_words(signature.parameters[n], v) for n, v in values.items())))
+        try:
+            with megapixels(largest):
+                function(**values)
+        finally:
+            GIVEN.reset(token)
 
     run.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=[*signature.parameters.values(), limit])
@@ -91,12 +97,27 @@ def _checked(function: Callable[..., None]) -> Callable[..., None]:
 
 def _shown(parameter: inspect.Parameter) -> str:
     """A parameter as the command line names it."""
+    return _names(parameter).partition("/")[0] or parameter.name.upper()
+
+
+def _words(parameter: inspect.Parameter, value: object) -> list[str]:
+    """An option with its value as words of the command line; none for an argument, or without a value."""
+    name, _, negative = _names(parameter).partition("/")
+    if not name or value is None:
+        return []
+    if isinstance(value, bool):
+        return [name] if value else [negative] if negative else []
+    return [name, shlex.quote(str(value))]
+
+
+def _names(parameter: inspect.Parameter) -> str:
+    """An option's name, for a switch with that of its opposite, `--live/--no-live`; empty for an argument."""
     for about in getattr(parameter.annotation, "__metadata__", ()):
         # Typer takes an option's first name for its default until it reads the annotation.
         for name in (getattr(about, "default", None), *(getattr(about, "param_decls", None) or ())):
             if str(name).startswith("--"):
-                return str(name).partition("/")[0]
-    return parameter.name.upper()
+                return str(name)
+    return ""
 
 
 def _ungrouped(function: Callable[..., None]) -> Callable[..., None]:

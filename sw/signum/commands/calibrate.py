@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass, field
-from datetime import date
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -25,7 +26,7 @@ from signum.applications.calibrate.solve import LEAST_VIEWS, LensFit, LensModel,
 from signum.applications.calibrate.target import DICTIONARIES, Sighting, SquareBoard, TargetKind
 from signum.applications.calibrate.views import BoardView, choose, frames_looked_at, look
 from signum.commands.app import command
-from signum.commands.options import SOURCE, OutOption
+from signum.commands.options import GIVEN, SOURCE, OutOption
 from signum.commands.outputs import Outputs, identity
 from signum.common.arrays import Image
 from signum.common.console import notes, out, progress
@@ -113,7 +114,7 @@ def calibrate(
 
     Example: `signum calibrate board.mp4 --across 11 --down 8 --square 0.03 --out out/calibrate`
     """
-    target = board.board()
+    target, began = board.board(), time.monotonic()
     if source is None and right is not None:
         raise SignumError("--right needs the left camera's pictures too: signum calibrate LEFT --right RIGHT")
     sources = [open_source(name) for name in (source, right) if name is not None]
@@ -128,7 +129,15 @@ def calibrate(
             return
         found, target = _look(target, sources)
         label = " and ".join(one.label for one in sources)
-        _calibrate(outputs, label, target, found, model, most)
+        refused = _calibrate(outputs, label, target, found, model, most)
+        from signum.report.about import About  # loads plots
+        from signum.report.folder import write_report
+
+        moment = datetime.now().astimezone().isoformat(" ", "minutes")
+        write_report(output, About("calibrate", VERSION, label, GIVEN.get(), moment, len(found.views),
+                                   time.monotonic() - began, "", 0, False, refused,
+                                   f"calibration.yaml, which --calibration takes: {model}, of a {target}"))
+    out.print(f"{output / 'calibration.yaml'}: {model}, of a {target}; {output / 'report.html'}")
 
 
 def _look(target: SquareBoard, sources: list[Source]) -> tuple[_Found, SquareBoard]:
@@ -165,8 +174,9 @@ def _keep(kept: list[Image], frame: Frame, number: int) -> None:
         kept[number.bit_length() % EMPTY] = frame.grey
 
 
-def _calibrate(outputs: Outputs, source: str, target: SquareBoard, found: _Found, model: LensModel, most: int) -> None:
-    """Each camera, then the pair; everything is written."""
+def _calibrate(outputs: Outputs, source: str, target: SquareBoard, found: _Found, model: LensModel, most: int
+               ) -> dict[str, int]:
+    """Each camera, then the pair; all but the report is written. What was left out, counted, is returned."""
     size = found.views[0].size
     cameras = len(found.views[0].seen)
     fits: list[LensFit] = []
@@ -187,7 +197,7 @@ def _calibrate(outputs: Outputs, source: str, target: SquareBoard, found: _Found
             _tell(side, fit, [names[i] for i in range(len(names)) if i not in fit.used])
     pair = _pair(found.views, fits, most) if cameras == 2 else None
     figures: dict[str, float | str] = {
-        "source": source, "board": str(target), "made_by": f"signum {VERSION}", "date": f"{date.today():%Y-%m-%d}",
+        "source": source, "board": str(target), "made_by": f"signum {VERSION}",
         "rms_px": fits[0].rms_px, "views_used": float(len(fits[0].used))}
     if pair is not None:
         figures |= {"right_rms_px": fits[1].rms_px, "pair_rms_px": pair.rms_px, "pair_rows_px": pair.rows_px,
@@ -197,10 +207,8 @@ def _calibrate(outputs: Outputs, source: str, target: SquareBoard, found: _Found
         write_picture(outputs.file("rectified.png"), draw_rows(one, two, pair.rig.rectifier()))
     write_text(outputs.file("calibration.yaml"), calibration_text(fits[0].lens, None if pair is None else pair.rig,
                                                                    figures))
-    from signum.report.folder import write_report  # plots take seconds to load
-
-    write_report(outputs.folder)
-    out.print(f"{outputs.folder / 'calibration.yaml'}: {model}, of a {target}; {outputs.folder / 'report.html'}")
+    return {"the board is not in the frame, or too little of it": sum(v.seen[0] is None for v in found.views),
+            "a view does not fit the others": sum(len(fit.views) - len(fit.used) for fit in fits)}
 
 
 def _chosen(views: Iterable[BoardView], camera: int, most: int) -> tuple[list[str], list[Sighting]]:

@@ -47,6 +47,7 @@ def flow(
         fit, measurer = run.fit, run.measurer(run.fit.board)
         table, movie = run.table("flow.csv", FLOW), Movie(run.file("flow.mp4"))
         run.at_end(movie.close)
+        run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: f"{output / 'flow.csv'}: {run.done} frames" + (
             f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow")
         last: tuple[Frame, View] | None = None
@@ -56,6 +57,7 @@ def flow(
             if last is not None:
                 field = _measure(measurer, last[1], live, board.window, step, reach, guess)
                 guess = field.dominant()
+                run.refused.update(field.refused)
                 measurer.release(last[1])
                 table.write_all(flow_rows(last[0], frame, field, fit))
                 shown = draw_flow(fit.show(last[0].picture), field)

@@ -42,6 +42,7 @@ from signum.common.errors import SignumError
 from signum.frames.clock import FRAME_RATE
 from signum.frames.frame import Frame, Source
 from signum.geometry.calibration import Rectifier, StereoGeometry
+from signum.report.about import head
 from signum.report.page import Section, write_page
 from signum.sources.open import open_rig, open_source
 from signum.world.camera import Pinhole
@@ -140,6 +141,7 @@ def _chase(run: Session, chase: Chase, film: bool) -> None:
         record.add(str(k), g.time, g.target, g.frame, truth=(*g.truth, g.range_m, *(degrees(a) for a in g.head)))
         rows.append(g.row(camera))
         run.report = report
+        run.refused["no target"] += g.target.lost
         run.tell(str(g.target.state))
 
 
@@ -179,6 +181,7 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
         name, time, shown = now[0]
         record.add(name, time, target, shown, fit.factor)
         run.report = report
+        run.refused["no target"] += target.lost
         run.tell(_word(target))
 
 
@@ -217,4 +220,5 @@ def _word(target: Target) -> str:
 
 
 def _page(run: Session, section: Section) -> None:
-    write_page(run.folder / "report.html", "Object following", [section])
+    page = run.folder / "report.html"
+    write_page(page, "Signum: Object following", [section], head(page, run.about()))

@@ -32,6 +32,7 @@ from signum.commands.session import Session
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
 from signum.frames.clock import FRAME_RATE
+from signum.report.about import head
 from signum.report.page import write_page
 from signum.sources.open import open_lens
 from signum.world.vehicle import Current
@@ -40,6 +41,8 @@ from signum.world.water import PAPER
 BOARD_DEFAULTS = BoardOptions()
 GUESS_M = 2.0
 """Range of a source where none is given, metres."""
+TITLE = "Signum: Station keeping"
+"""Of the report."""
 VIEW = 400 / 384
 """Focal length per picture width where none is given: about 51 degrees across, a common lens under water."""
 BLIND_S = 3.0
@@ -164,8 +167,9 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
                  f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
         figures = judge_hold_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
         bars = hold_bars(figures)
-        write_page(run.folder / "report.html", "Station keeping",
-                   [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)])
+        page = run.folder / "report.html"
+        write_page(page, TITLE, [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)],
+                   head(page, run.about()))
         for bar in bars:
             out.print(str(bar), markup=False)
 
@@ -177,6 +181,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
         rows.append(m.row)
         run.report = report
         autopilot.send(m.time, m.reading)
+        run.refused["no reading"] += not m.reading.valid
         run.tell(_word(m.reading))
 
 
@@ -202,8 +207,9 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
              f"range {range_m:g} m at the start.")
 
     def report() -> None:
-        write_page(run.folder / "report.html", "Station keeping",
-                   [hold_section("Station keeping, open loop", about, record.series, record.shots)])
+        page = run.folder / "report.html"
+        write_page(page, TITLE, [hold_section("Station keeping, open loop", about, record.series, record.shots)],
+                   head(page, run.about()))
 
     window = run.chosen.window
     seen_ones = watch_station(run.measurer(fit.board), run.frames(), fit, focal, range_m, rate, window, seconds)
@@ -211,6 +217,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
         record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
         run.report = report
         autopilot.send(seen.time, seen.reading)
+        run.refused["no reading"] += not seen.reading.valid
         run.tell(_word(seen.reading))
 
 
@@ -218,6 +225,7 @@ def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> Ho
     """The record of a run, closed with it, and the line on its outcome."""
     record = HoldRecord(run.file("hold.csv").parent, truth, often)
     run.at_end(record.close)
+    run.measured = lambda: record.valid - 1
     run.summary = lambda: (f"{run.folder / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading"
                            f"{autopilot.said}; {run.folder / 'report.html'}")
     return record

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
@@ -24,7 +25,7 @@ from signum.applications.mosaic.ways import WAYS
 from signum.commands.app import command
 from signum.commands.options import BoardOptions, CalibrationOption, OutOption
 from signum.commands.outputs import move_aside
-from signum.commands.session import Session
+from signum.commands.session import Session, kind_of
 from signum.commands.signals import shielded
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
@@ -157,12 +158,14 @@ def _grow(run: Session, survey: Survey, known: Track | None) -> None:
 
     def report() -> None:
         if not stopped and survey.shown:
+            run.refused = Counter(kind_of(edge.reason) for edge in survey.edges if not edge.accepted)
             run.report_folder()
             if finished:
                 survey.mark_finished()
 
     run.at_end(close)
-    run.report = report
+    run.report, run.result = report, survey.results.size
+    run.measured = lambda: sum(edge.accepted for edge in survey.edges)
     run.summary = lambda: _outcome(survey, run.done, finished and known is not None)
     try:
         frames = survey.ordered(run.frames(), run.live)

@@ -22,7 +22,7 @@ from signum.applications.navigate.place import ANY_HEADING, LocaliseLimits, Plac
 from signum.commands.app import command
 from signum.commands.options import SIMULATION, BoardOptions, CalibrationOption, OutOption, SeedOption
 from signum.commands.outputs import lock
-from signum.commands.session import Session
+from signum.commands.session import Session, kind_of
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
@@ -122,6 +122,8 @@ class _Log:
         self._table.write([*head, *figures, f"{place.score:.4f}", place.confidence])
         if self._goto is not None:
             self._goto.write([*head, *("" if not aim.known else f"{v:.2f}" for v in aim.error), int(aim.sharp)])
+        if not place.known:
+            self._run.refused[kind_of(place.reason)] += 1
         self.places.append(place)
         self._size = frame.size
         self._run.report = self._run.report_folder
@@ -144,6 +146,7 @@ def _recorded(run: Session, chart: Chart, goto: str | None, search: SearchOption
     limits = LocaliseLimits(turns_deg=ANY_HEADING) if search.any_heading else LocaliseLimits()
     localiser = _localiser(run, run.fit, chart, run.chosen.window, run.chosen.sigma, limits)
     finder = TargetFinder(localiser, target, patience=0)
+    run.measured = lambda: sum(p.known for p in log.places)
     run.summary = lambda: (f"{run.folder / 'navigate.csv'}: {sum(p.known for p in log.places)} of {len(log.places)} "
                            "frames found")
     for frame in run.steps("navigate", run.frames(), run.source.count):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextvars import ContextVar
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -14,6 +15,8 @@ from golden.params import MAX_SIGMA, MIN_SIGMA
 
 SOURCE, BOARD, OUTPUT, SIMULATION = "Source", "Board", "Output", "Simulation"
 """Groups of options that several commands have."""
+GIVEN: ContextVar[str] = ContextVar("options", default="")
+"""The options of the command at work as its command line takes them, with the defaults of those that were not given."""
 
 
 class BoardName(StrEnum):

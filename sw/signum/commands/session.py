@@ -4,26 +4,34 @@
 from __future__ import annotations
 
 import os
+import re
+import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from datetime import datetime
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 from signum.boards import open_board
 from signum.boards.board import Board
-from signum.commands.options import BoardName, BoardOptions
+from signum.commands.options import GIVEN, BoardName, BoardOptions
 from signum.commands.outputs import Outputs, identity, lock
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
+from signum.common.version import VERSION
 from signum.frames.clock import timed
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source
 from signum.measure.measurer import Measurer
 from signum.sources.open import open_source
 from signum.tables.table import Table
+
+if TYPE_CHECKING:
+    from signum.report.about import About
 
 CLOCK_HZ = 150e6
 """Clock of a real board for which times are given."""
@@ -34,7 +42,7 @@ class Session:
     """A command's run; use it in a `with`.
 
     On leaving, also after an error or an interrupt, it closes what was opened and writes the report, if there is one.
-    Unless an error ended the run, it then prints what the board did and what was written.
+    Unless an error ended the run, it then prints what the board did and what was written, and fails if that is nothing.
 
     Args:
         command: its name, under which the files it makes are recorded.
@@ -50,9 +58,13 @@ class Session:
         done: frames finished so far.
         report: writes the report; None as long as there is nothing to report.
         summary: the line on what was written; None for none.
+        refused: what was refused, counted by the reason.
+        measured: how many frames, or pairs of them, gave a measurement beyond the first, if that is known.
+        result: the size of what was made, in words, for the report.
 
     Raises:
-        SignumError: if the source cannot be used, or the window does not suit the board.
+        SignumError: if the source cannot be used, or the window does not suit the board; on leaving, if nothing was
+            measured.
     """
 
     board: Board
@@ -66,6 +78,10 @@ class Session:
         self.done = 0
         self.report: Callable[[], object] | None = None
         self.summary: Callable[[], str] | None = None
+        self.refused: Counter[str] = Counter()
+        self.measured: Callable[[], int] | None = None
+        self.result: Callable[[], str] = str
+        self._began, self._took = time.monotonic(), 0.0
         self._tell: Callable[[str], None] = lambda state: None
         self._bar, self._opened, self._powered = ExitStack(), ExitStack(), ExitStack()
 
@@ -85,6 +101,9 @@ class Session:
                 notes.print(clocks_line(self.board, self.done))
         if whole and self.summary is not None:
             out.print(self.summary())
+        if whole and kind is None and self.measured is not None and not self.measured():
+            raise SignumError(f"{self.name or 'simulated world'}: nothing could be measured in {self.done} frames: "
+                              f"expected frames that overlap and show texture; what was written is in {self.folder}")
 
     @property
     def source(self) -> Source:
@@ -149,7 +168,9 @@ class Session:
     def steps(self, what: str, items: Iterable[T], total: int | None) -> Iterator[T]:
         """The items, with a progress line until the last; `tell` advances it."""
         self._tell = self._bar.enter_context(progress(what, total))
+        self._began, self._took = time.monotonic(), 0.0
         yield from items
+        self._took = time.monotonic() - self._began
         self._bar.close()
 
     def tell(self, state: str) -> None:
@@ -177,7 +198,21 @@ class Session:
         """Write `report.html` from the tables and pictures in the folder."""
         from signum.report.folder import write_report  # plots take seconds to load
 
-        write_report(self.folder)
+        write_report(self.folder, self.about())
+
+    def about(self) -> About:
+        """What the run is so far, for the head of its report."""
+        from signum.report.about import About  # loads plots
+
+        date = datetime.now().astimezone().isoformat(" ", "minutes")
+        return About(self.command, VERSION, self.name, GIVEN.get(), date, self.done,
+                     self._took or time.monotonic() - self._began, self.board.name, self.board.clocks,
+                     self.board.name != "verilated", dict(self.refused.most_common()), self.result())
+
+
+def kind_of(reason: str) -> str:
+    """A reason without its figures, to count it by."""
+    return re.sub(r"[\d.]*\d", "n", reason)
 
 
 @contextmanager

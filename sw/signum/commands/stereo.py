@@ -89,6 +89,7 @@ def stereo(
         rectify = None if rectified else rig
         pairs = _pairs(run, other)
         table = run.table("disparity.csv", DISPARITY)
+        run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                "valid")
         for frame, seen in run.steps("stereo", pairs, run.source.count):
@@ -98,6 +99,7 @@ def stereo(
             _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown)
             for line in disparity_rows(frame, found.to_source(run.fit), geometry):
                 table.write(line)
+            run.refused.update(found.refused)
             shares.append(float(found.valid.mean()))
             run.report = run.report_folder
             run.tell(f"{shares[-1]:.0%} valid")

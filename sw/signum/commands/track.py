@@ -37,7 +37,7 @@ def track(
     """
     missing: dict[int, int] = {}
     points: list[TrackPoint] = []
-    measured = valid = 0
+    measured = valid = found = 0
     with Session("track", board, output, source, calibration) as run:
         fit = run.fit
         settings = TrackSettings(window=board.window, features=features, precise_px=PRECISE_PX / max(fit.factor))
@@ -50,12 +50,15 @@ def track(
                 write_picture(picture, draw_tracks(fit.show(frame.picture), points, board.window))
 
         run.at_end(draw)
+        run.measured = lambda: found
         run.summary = lambda: (f"{output / 'track.csv'}: {run.done} frames, {measured} measurements, {valid} valid")
         for frame in run.steps("tracking", run.frames(), run.source.count):
             points = _shown(tracker.step(fit.show(frame.picture)), missing)
             for point in points:
                 table.write(track_row(frame, point, fit))
             drift.write(drift_row(frame, points, fit))
+            found += run.done > 0 and any(p.valid for p in points)
+            run.refused.update(p.reason for p in points if not p.valid)
             measured, valid = measured + len(points), valid + sum(p.valid for p in points)
             run.report = run.report_folder
             run.tell(f"{sum(p.valid for p in points)} of {len(points)} valid")

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,9 @@ from numpy.typing import NDArray
 from signum.common.arrays import Floats
 from signum.measure.measurer import Measurer, Query, View
 from signum.measure.validity import Rules
+
+LONELY = "support"
+"""Reason to refuse a displacement that none of the windows beside it has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +27,7 @@ class FlowField:
         dx: (ny, nx) displacement to the second frame, pixels right; NaN where the measurement is not valid.
         dy: the same, pixels down.
         score: (ny, nx) matching fraction.
+        refused: measurements that are not valid, counted by the reason.
     """
 
     x: Floats
@@ -29,6 +35,7 @@ class FlowField:
     dx: Floats
     dy: Floats
     score: Floats
+    refused: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -78,9 +85,10 @@ def measure_flow(
 
     dx, dy = (grid([v if m.valid else np.nan for m, v in zip(found, values, strict=True)])
               for values in ([m.dx_px for m in found], [m.dy_px for m in found]))
-    lonely = _agreeing(dx, dy) < support
+    lonely = np.isfinite(dx) & (_agreeing(dx, dy) < support)
+    refused = Counter(str(m.reason) for m in found if not m.valid) + Counter({LONELY: int(lonely.sum())})
     dx[lonely], dy[lonely] = np.nan, np.nan
-    return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, grid([m.score for m in found]))
+    return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, grid([m.score for m in found]), refused)
 
 
 def _agreeing(dx: Floats, dy: Floats) -> NDArray[np.int64]:

@@ -9,7 +9,9 @@ window covers two depths and may yield either; a window twice as large then yiel
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +20,7 @@ from signum.common.arrays import Floats
 from signum.frames.fit import Fit
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurement, Measurer, Query, View
-from signum.measure.validity import Rules
+from signum.measure.validity import Reason, Rules
 
 STEREO_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=0.6)
 """Stricter than `Rules`: both views are of one moment, so they match better than two frames of a dive."""
@@ -33,6 +35,7 @@ class RangeMap:
         disparity: (ny, nx) pixels; NaN where the measurement is not valid.
         score: (ny, nx) of the measurements.
         margin: (ny, nx) of the measurements.
+        refused: measurements that are not valid, counted by the reason.
     """
 
     x: Floats
@@ -40,6 +43,7 @@ class RangeMap:
     disparity: Floats
     score: Floats
     margin: Floats
+    refused: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -50,7 +54,7 @@ class RangeMap:
         """The map in original pixels, of a pair scaled down for the board by `fit`."""
         xs, ys = np.stack([self.x, self.x], axis=1), np.stack([self.y, self.y], axis=1)
         return RangeMap(fit.to_source(xs)[:, 0], fit.to_source(ys)[:, 1], self.disparity * fit.factor[0], self.score,
-                        self.margin)
+                        self.margin, self.refused)
 
     def points(self, geometry: StereoGeometry) -> Floats:
         """Valid points (n, 3), metres, right, down and forward of the left camera."""
@@ -95,13 +99,16 @@ def measure_range(
     found = ask(window)
     shape = (y.size, x.size)
     disparity = _disparities(found)
+    refused = Counter(str(m.reason) for m in found if not m.valid)
     if agreement_px is not None:
         most = measurer.window_range[1]
         second = _disparities(ask((min(2 * window[0], most), min(2 * window[1], most))))
-        disparity[~(np.abs(disparity - second) <= agreement_px)] = np.nan
+        alone = np.isfinite(disparity) & ~(np.abs(disparity - second) <= agreement_px)
+        disparity[alone] = np.nan
+        refused += Counter({str(Reason.PARTS): int(alone.sum())})
     return RangeMap(x.astype(np.float64), y.astype(np.float64), disparity.reshape(shape),
                     np.array([m.score for m in found]).reshape(shape),
-                    np.array([m.margin for m in found]).reshape(shape))
+                    np.array([m.margin for m in found]).reshape(shape), refused)
 
 
 def _disparities(found: list[Measurement]) -> Floats:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from signum.common.errors import SignumError
+from signum.report.about import About, head
 from signum.report.kinds import anything, calibrate, flow, mosaic, navigate, stereo, track
 from signum.report.page import Section, write_page
 
@@ -29,8 +30,10 @@ class ReportError(SignumError):
     """There is no such folder, or nothing in it to report."""
 
 
-def write_report(folder: Path) -> Path:
+def write_report(folder: Path, *runs: About) -> Path:
     """Write `report.html` into a folder from the tables and pictures in it; returns its path.
+
+    It begins with the runs given, or those that the page there begins with.
 
     Raises:
         ReportError: if it is no folder, or there is nothing in it to report.
@@ -44,4 +47,4 @@ def write_report(folder: Path) -> Path:
         sections = anything.sections(folder)
     if not sections:
         raise ReportError(f"{folder}: no table or picture in it; give the --out folder of an earlier command")
-    return write_page(folder / "report.html", f"Signum: {title}", sections)
+    return write_page(folder / "report.html", f"Signum: {title}", sections, head(folder / "report.html", *runs))

@@ -28,7 +28,7 @@ figcaption{font-size:.85em;color:#51606d;text-align:center}
 img{width:100%;height:auto;display:block;image-rendering:auto}table{border-collapse:collapse;margin:1em 0}
 td,th{padding:.25em .9em;border-bottom:1px solid #dde5ec;text-align:right}
 td:first-child,th:first-child{text-align:left}.met{color:#1a7f37}.missed{color:#b42318;font-weight:600}
-.tall{max-width:360px}
+.tall{max-width:360px}.run td{text-align:left}
 """
 
 

@@ -21,6 +21,8 @@ from signum.tables.cells import restored
 
 LARGEST = 1e12
 """Largest magnitude of a number in a table."""
+TIMES = "time_s", "step_s"
+"""Columns that tables of version 1.1 lack; no report needs them."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ def read_table(path: Path, needed: tuple[str, ...] = ()) -> Columns:
     except csv.Error as error:
         raise SignumError(f"{path}: not a CSV table ({error}); run the command again that writes it") from error
     names = tuple(lines[0]) if lines else ()
-    missing = [name for name in needed if name not in names]
+    missing = [name for name in needed if name not in names and name not in TIMES]
     if missing:
         raise SignumError(f"{path}: has no column {', '.join(missing)}; run the command again that writes this table")
     body = [line for line in lines[1:] if len(line) == len(names)]

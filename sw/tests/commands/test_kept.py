@@ -58,7 +58,8 @@ def test_a_survey_is_never_wiped(source: Path, floor: np.ndarray, tmp_path: Path
     assert json.loads(before["run.json"])["finished"] and len(before["poses.csv"].splitlines()) == 5
     other = tmp_path / "other"
     other.mkdir()
-    write_picture(other / "0.png", floor[300:420])
+    for k in range(2):
+        write_picture(other / f"{k}.png", floor[300 + 40 * k:420 + 40 * k])
     assert f"holds a survey of {source}, not of {other}" in _line(_run("mosaic", other, *common))
     assert "made with --sigma 2.5 instead of 2.0" in _line(_run("mosaic", source, *common, "--sigma", "2"))
     assert "--anew moves it aside" in _line(_run("mosaic", source, *common, "--columns", "single"))
@@ -75,7 +76,7 @@ def test_a_survey_is_never_wiped(source: Path, floor: np.ndarray, tmp_path: Path
     assert len(after["poses.csv"].splitlines()) == 6 and after["frames/000000.png"] == before["frames/000000.png"]
     # Started anew, the old one lies beside.
     assert _run("mosaic", other, *common, "--anew").exit_code == 0
-    assert _contents(tmp_path / "o-1") == after and len((out / "poses.csv").read_text().splitlines()) == 2
+    assert _contents(tmp_path / "o-1") == after and len((out / "poses.csv").read_text().splitlines()) == 3
 
 
 def test_files_that_are_no_survey_stay(source: Path, tmp_path: Path) -> None:

@@ -76,7 +76,7 @@ def test_flow(dive: Path, tmp_path: Path) -> None:
 
 
 def test_stereo(dive: Path, tmp_path: Path) -> None:
-    _run("stereo", dive, dive, "--most", "8", "--step", "32", "--out", tmp_path)
+    _run("stereo", dive, dive, "--least", "-8", "--most", "8", "--step", "32", "--out", tmp_path)
     assert _times(_rows(tmp_path / "disparity.csv", DISPARITY)) == TIMES
 
 

@@ -229,6 +229,8 @@ def test_pairs_of_every_format_are_rectified(tmp_path: Path) -> None:
     for name in (tmp_path / "k.yaml", tmp_path / "f.yaml", pair, wide, _ros_pair(tmp_path)):
         missed, off = _meeting(name)
         assert missed < TOLERANCE_PX and off < 1e-4, name
+        rig = open_rig(name)
+        assert np.allclose(rig.turn, TURN, atol=1e-9) and np.allclose(rig.move, MOVE, atol=1e-9), name
         assert open_rig(name).rectifier().geometry.baseline == pytest.approx(0.12, rel=1e-3)
     assert open_lens(f"{tmp_path / 'k.yaml'}#cam1").size == SIZE
 

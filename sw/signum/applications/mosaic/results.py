@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
-from signum.applications.mosaic.georeference import Georeference, write_geotiff, write_world_file
+from signum.applications.mosaic.georeference import Georeference, world_of, write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Image
@@ -43,6 +43,7 @@ class Results:
         self._ledger = ledger
         self.ground: Grounding | None = None
         self.trouble = ""
+        self._sizes: list[str] = []
         self._thumbs: dict[str, Image] = {}
 
     def show(self, name: str, picture: Image | None = None) -> Image:
@@ -76,7 +77,7 @@ class Results:
     def write_all(self) -> None:
         """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
-        self.trouble = ""
+        self.trouble, self._sizes = "", []
         blended, grounded = set(), set()
         for number, piece in enumerate(self._ledger.ranked(), 1):
             if number == 1 or len(piece.stored) > 1:
@@ -109,7 +110,15 @@ class Results:
         if geo:
             write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
             write_geotiff(make(f"mosaic{ending}.tif"), mosaic, geo)
+        height, width = mosaic.picture.shape[:2]
+        step = world_of(mosaic, geo)[0] if geo else 0.0
+        self._sizes.append(f"mosaic{ending}.png {width}x{height} px"
+                           + (f", {width * step:.2f} x {height * step:.2f} m" if geo else ""))
         return geo is not None
+
+    def size(self) -> str:
+        """The sizes of the mosaics written, in words."""
+        return "; ".join(self._sizes)
 
 
 def suffix(number: int) -> str:

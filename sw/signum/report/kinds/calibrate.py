@@ -30,10 +30,7 @@ def sections(folder: Path) -> list[Section]:
     cameras = list(views.groups("camera"))
     pair = read_rig(path) if len(cameras) == 2 else None
     entries = read_entries(path)
-    known = [(word, str(entries.tree[name])) for word, name in (
-        ("pictures of", "source"), ("board", "board"), ("made by", "made_by"), ("on", "date")) if entries.has(name)]
-    out = [Section("Calibration", paragraph("calibration.yaml in this folder is what --calibration takes.")
-                   + table(("", ""), known))]
+    out = []
     for camera in cameras:
         lens = pair.second if pair and camera == "right" else read_lens(path)
         out.append(_camera(folder, lens, views, corners, camera, f"_{camera}" * bool(pair)))

@@ -194,7 +194,7 @@ def test_the_command(floor: NDArray[np.uint8], tmp_path: Path) -> None:
     assert "4 of 5 frames found" in result.stdout
     with (tmp_path / "out" / "navigate.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["frame", "x_px", "y_px", "rot_deg", "scale", "score", "confidence"]
+    assert list(rows[0]) == ["frame", "time_s", "x_px", "y_px", "rot_deg", "scale", "score", "confidence"]
     for row, (x, y) in zip(rows, way, strict=False):
         assert (float(row["x_px"]), float(row["y_px"])) == pytest.approx((x, y), abs=1.5)
     assert rows[4]["x_px"] == "" and rows[4]["confidence"] == "0"
