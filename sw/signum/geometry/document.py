@@ -14,10 +14,10 @@ from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 
 from signum.common.arrays import Floats
 from signum.common.checks import array, check_pixels, read_text, within
+from signum.common.errors import lacking
 from signum.geometry.lens import CalibrationError
 
 REAL = "d", "f"
@@ -159,31 +159,21 @@ def read_entries(path: Path) -> Entries:
         raise CalibrationError(f"{broken} (lists lie in lists {DEEPEST} deep)")
     try:
         opencv = text.lstrip().startswith(("%YAML", "<?xml", "{"))
-        tree = _by_opencv(text) if opencv else next(iter(yaml.load_all(text, _Loader)), None)
-    except (cv2.error, SystemError, yaml.YAMLError, ValueError, RecursionError) as error:
-        where = getattr(error, "problem_mark", None)
-        raise CalibrationError(f"{broken}{f' (line {where.line + 1})' if where else ''}; write it again with what made "
-                               "it") from error
+        tree = _by_opencv(text) if opencv else _plain(text)
+    except (cv2.error, SystemError, ValueError, RecursionError) as error:
+        where = f" ({error})" if str(error).startswith("line ") else ""
+        raise CalibrationError(f"{broken}{where}; write it again with what made it") from error
     if not isinstance(tree, Mapping):
         raise CalibrationError(f"{broken}: it has no entries")
     return Entries({str(name): value for name, value in tree.items()}, str(path))
 
 
-class _Loader(yaml.SafeLoader):
-    """Plain YAML, with OpenCV's mark of a matrix, but without references, by which a small file could make a large
-    tree."""
-
-    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        if self.check_event(yaml.AliasEvent):
-            raise yaml.YAMLError("references")
-        return super().compose_node(parent, index)
-
-
-def _matrix_mark(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[Any, Any]:
-    return loader.construct_mapping(node, deep=True)
-
-
-_Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", _matrix_mark)
+def _plain(text: str) -> Any:
+    try:
+        from signum.geometry.plain_yaml import parse_yaml
+    except ModuleNotFoundError as error:
+        raise lacking("ros", error) from error
+    return parse_yaml(text)
 
 
 def _by_opencv(text: str) -> Any:
