@@ -10,7 +10,7 @@ from pathlib import Path
 from signum.common.checks import check_file
 from signum.common.errors import SourceError, lacking
 from signum.frames.frame import Source
-from signum.geometry.calibration import Lens, Rig, read_lens, read_rig
+from signum.geometry.calibration import CalibrationError, Lens, Rig, read_lens, read_rig
 from signum.geometry.document import Entries, read_entries
 from signum.geometry.formats import lens_of, rig_of_two
 from signum.sources.files import (
@@ -26,6 +26,8 @@ from signum.sources.video import VideoSource
 BAGS = frozenset({".bag", ".mcap", ".db3"})
 """A file with one of these endings is a ROS bag."""
 CAMERA = re.compile(r"(?:camera:)?(\d{1,2})$")
+RECTIFIED = re.compile(r"#.*/image_rect(?:_mono|_color|_raw)?(?:/\w+)?$")
+"""A topic that ROS' image_proc has rectified."""
 WORLD = re.compile(r"world(?::|$)")
 
 
@@ -44,7 +46,12 @@ def open_source(text: str | Path, calibration: str | Path | None = None) -> Sour
         CalibrationError: if the calibration cannot be used.
     """
     source = _open(text)
-    return source if calibration is None else UndistortedSource(source, open_lens(calibration), str(calibration))
+    if calibration is None:
+        return source
+    if RECTIFIED.search(source.label):
+        raise CalibrationError(f"{source.label}: by its name this topic is without distortion already, which would be "
+                               "taken out twice: take the raw topic, or leave --calibration out")
+    return UndistortedSource(source, open_lens(calibration), str(calibration))
 
 
 def open_lens(text: str | Path) -> Lens:

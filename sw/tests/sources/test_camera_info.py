@@ -123,6 +123,24 @@ def test_a_bag_without_a_calibration(tmp_path: Path) -> None:
         open_lens(tmp_path / "dive.bag")
 
 
+def test_a_rectified_topic_is_not_rectified_again(tmp_path: Path) -> None:
+    path, lens = tmp_path / "dive.mcap", calibration(tmp_path / "c.yaml")
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        schema = writer.register_schema("foxglove.RawImage", "jsonschema", b"{}")
+        for topic in ("/left/image_rect", "/left/image_rect_color/compressed", "/left/image_raw", "/image_rectangle"):
+            writer.add_message(writer.register_channel(topic, "json", schema), 0, b"{}", 0)
+        writer.finish()  # type: ignore[no-untyped-call]
+    for topic, refused in (("/left/image_rect", True), ("/left/image_rect_color/compressed", True),
+                           ("/left/image_raw", False), ("/image_rectangle", False)):
+        if refused:
+            with pytest.raises(CalibrationError, match="without distortion already"):
+                open_source(f"{path}#{topic}", lens)
+        else:
+            open_source(f"{path}#{topic}", lens)
+
+
 def test_frames_are_undistorted_by_a_bag_s_own_calibration(tmp_path: Path) -> None:
     path = _bag(tmp_path, "mcap", {"/info": {"d": (-0.4, 0.0, 0.0, 0.0, 0.0)}})
     u, v = np.meshgrid(np.arange(320.0), np.arange(240.0))

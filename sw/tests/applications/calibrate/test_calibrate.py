@@ -14,13 +14,14 @@ from typer.testing import CliRunner, Result
 
 from signum.applications.calibrate.solve import LensModel, fit_lens, fit_rig
 from signum.applications.calibrate.target import Sighting, SquareBoard, TargetKind
-from signum.applications.calibrate.views import choose
+from signum.applications.calibrate.views import choose, look
 from signum.commands.cli import application
-from signum.common.arrays import Floats
+from signum.common.arrays import Floats, Image
 from signum.common.errors import SignumError
 from signum.common.files import write_picture
 from signum.geometry.coverage import hints
 from signum.geometry.lens import Lens
+from signum.sources.files import ArraySource
 from signum.sources.open import open_lens, open_rig
 from tests.applications.calibrate.scene import (
     CHARUCO,
@@ -225,6 +226,26 @@ def test_views_that_differ_are_chosen() -> None:
     assert len(choose(still, 480, 40)) == 1
     assert set(range(21, 28)) < set(choose([*still, *moved], 480, 40)) and len(choose([*still, *moved], 480, 40)) < 10
     assert choose(moved, 480, 2)[-1] == 7 and choose([], 480, 3) == []
+
+
+class _FromEitherEnd(SquareBoard):
+    """A board that is read from its other end in bright pictures, as a symmetric chessboard may be."""
+
+    def find(self, picture: Image) -> Sighting:
+        points = chessboard_points(self)
+        corners = 400 * points[:, :2] + 20
+        return Sighting(np.arange(len(points)), points, corners[::-1] if picture[0, 0] > 100 else corners)
+
+
+def test_both_cameras_read_a_board_from_the_same_end() -> None:
+    board = _FromEitherEnd(TargetKind.chessboard, (9, 7), 0.03, 0.02, "")
+    dark, bright = (ArraySource([np.full((120, 160), level, np.uint8)] * 2) for level in (50, 150))
+    for view, _ in look(board, (dark, bright)):
+        assert view.shared is not None and np.allclose(view.shared[0].corners, view.shared[1].corners)
+    with pytest.raises(SignumError, match="fewer frames"):
+        list(look(board, (dark, ArraySource([np.full((120, 160), 9, np.uint8)]))))
+    with pytest.raises(SignumError, match="pictures of one size"):
+        list(look(board, (dark, ArraySource([np.full((100, 160), 9, np.uint8)] * 2))))
 
 
 def test_a_board_that_is_laid_out_otherwise_is_found() -> None:
