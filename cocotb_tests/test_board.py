@@ -18,7 +18,7 @@ from golden.params import TINY
 from golden.traffic.peak import surface_beats
 from golden.traffic.stalls import SHAPES
 from golden.traffic.video import BAD_KINDS, bad, texture
-from sim.registers.map import address, fields
+from sim.registers.map import address, fields, word
 from sim.testbench.runner import AXI_PORTS, simulate
 
 SIGMA = 1.5
@@ -108,6 +108,24 @@ def _busy_until_the_result(h: Host) -> Script:
     h.results.clear()
 
 
+def _busy_at_once(h: Host) -> Script:
+    """The status in the access that follows a submit to the idle board without a pause, on a bus without stalls: the
+    job is in the queue, but not yet at its end, and nothing else tells of it."""
+    yield from h.submit(Job(0, 1, 1, 6, 5, 1, 2, 2, 4, 3, tag=92))
+    yield from h.collect(1)
+    assert (yield from h.read("job.status.busy")) == 0
+    status = fields()["job.status.busy"]
+    h.master.overlap = 3
+    h.master.write(address("job.submit"), word("job.submit", tag=93, go=1))
+    # Reads and writes take turns, so one read may come before the submit; the other follows it.
+    reads = [h.master.read(status.address) for _ in range(2)]
+    yield from h.until(lambda: h.master.idle, "submit")
+    h.master.overlap = 1
+    assert status.unpack(reads[1].data or 0) == 1
+    yield from h.collect(1)
+    h.results.clear()
+
+
 def _everyday(h: Host) -> Script:
     """Captures on both cameras, good and refused jobs, captures during work."""
     planes: dict[int, Plane] = {}
@@ -132,6 +150,7 @@ def _full_queues(h: Host) -> Script:
     planes: dict[int, Plane] = {}
     yield from h.set_up(SIGMA, SIZE)
     yield from _capture_pair(h, planes, (0, 1))
+    yield from _busy_at_once(h)
     yield from h.write("irq_enable", result=1)
     assert not h.irq
     job = Job(0, 1, 2, 5, 4, 1, 0, 1, 3, 2, tag=65533)

@@ -224,7 +224,7 @@ module slog_operands #(
   int unsigned clocks_since_valid;
   always_ff @(posedge clk_i) begin
     if (rst_i) clocks_since_valid <= HoldClocks;
-    else clocks_since_valid <= valid_o ? 0 : clocks_since_valid + 1;
+    else clocks_since_valid <= valid_o ? 0 : clocks_since_valid + 32'(clocks_since_valid < HoldClocks);
   end
 `endif
   `SLOG_ASSERT(SlogOperandsMove, move_o || (!valid_o && clocks_since_valid >= HoldClocks))

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Event counters of the board, 32 bits each, modulo 2**32, zero after reset.
 //
+// Formats    : Bits is 32 on the board; with fewer a test can make the counters wrap.
 // Latency    : count_o includes an event two clocks after it.
 // Throughput : one event of each kind per clock.
 // Reset      : rst_i is held for 1 clock or more.
 module slog_counters #(
-    parameter  int unsigned Events = 10,
-    localparam int unsigned Bits   = 32
+    parameter int unsigned Events = 10,
+    parameter int unsigned Bits   = 32
 ) (
     input  logic                        clk_i,
     input  logic                        rst_i,

@@ -29,7 +29,8 @@ class Proof:
         engine: of SymbiYosys.
         config: configuration whose package is read.
         blackboxes: modules whose outputs may be anything.
-        removed: assertions of `top` that another proof of the same module holds.
+        removed: assertions that another proof holds, of the same module or of one within it, or that say something of
+            the modules left out.
     """
 
     name: str
@@ -46,6 +47,12 @@ class Proof:
     blackboxes: tuple[str, ...] = ()
     removed: tuple[str, ...] = ()
 
+
+CONTROL_PARTS = ("slog_filter_bank", "slog_peek", "slog_counters")
+BOARD_PARTS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_correlator")
+OPERANDS_USER = ("SlogOperandsStep", "SlogOperandsWrite", "SlogOperandsTplReuse", "*SlogSearchRingSameClock")
+PARTS_OWN = ("*.Slog*",)
+"""Assertions of the modules within the top one, which their own proofs hold."""
 
 PROOFS: tuple[Proof, ...] = (
     Proof("fifo", "slog_fifo", "prove", 3, {"Width": 2, "Depth": 4}, rules=("fifo",)),
@@ -74,7 +81,9 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogJobPlanStable", "SlogJobPlanOneAtATime")),
     Proof("grid", "slog_grid", "prove", 3, rules=("grid",), assumed=("SlogGridReadyStays",)),
     Proof("grid_covers", "slog_grid", "cover", 20, rules=("grid",), assumed=("SlogGridReadyStays",), quick=False),
-    Proof("packer", "slog_packer", "bmc", 18, {"GroupBits": 4}, rules=("packer",), assumed=("SlogPackerAbortAlone",)),
+    Proof("packer", "slog_packer", "prove", 10, {"GroupBits": 4}, rules=("packer",), assumed=("SlogPackerAbortAlone",)),
+    Proof("packer_slices", "slog_packer", "prove", 10, {"GroupBits": 32}, rules=("packer",),
+          assumed=("SlogPackerAbortAlone",)),
     Proof("packer_covers", "slog_packer", "cover", 18, {"GroupBits": 4}, rules=("packer",),
           assumed=("SlogPackerAbortAlone",)),
     Proof("axil", "slog_axil", "bmc", 16, {"AddrW": 5}, rules=("axil",)),
@@ -95,7 +104,7 @@ PROOFS: tuple[Proof, ...] = (
           rules=("sequencer",), assumed=("SlogSequencerFreed",)),
     Proof("popcount", "slog_popcount", "bmc", 8, {"GroupBits": 4, "Lanes": 1}, rules=("popcount",), reset=0),
     Proof("popcount_covers", "slog_popcount", "cover", 10, {"GroupBits": 4, "Lanes": 1}, rules=("popcount",), reset=0),
-    Proof("video_in", "slog_video_in", "bmc", 12, {"MaxWidth": 8, "Radius": 2}, rules=("video_in",),
+    Proof("video_in", "slog_video_in", "prove", 10, {"MaxWidth": 8, "Radius": 2}, rules=("video_in",),
           assumed=("SlogVideoInSize",)),
     Proof("video_in_covers", "slog_video_in", "cover", 28, {"MaxWidth": 8, "Radius": 2}, rules=("video_in",),
           assumed=("SlogVideoInSize",)),
@@ -141,6 +150,33 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogPeakIntakeArea", "SlogPeakIntakeRowStays")),
     Proof("peak_intake_covers", "slog_peak_intake", "cover", 16, {"ScoreBits": 9}, rules=("peak_intake",),
           assumed=("SlogPeakIntakeArea", "SlogPeakIntakeRowStays"), quick=False),
+    Proof("capture_slots", "slog_capture", "bmc", 38, {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
+          rules=("capture_slots",), assumed=("*SlogCaptureRoom", "*SlogCaptureNoEarlyWord"), quick=False),
+    Proof("capture_slots_covers", "slog_capture", "cover", 34, {"GroupBits": 2, "Slots": 2, "SlotWords": 4,
+          "WordsPerRow": 2}, rules=("capture_slots",),
+          assumed=("*SlogCaptureRoom", "*SlogCaptureNoEarlyWord"), quick=False),
+    Proof("fetch", "slog_fetch", "bmc", 40, {"Width": 4, "MaxHeight": 8, "WordsPerRow": 2, "Slots": 2, "MinWindow": 1,
+          "MaxWindow": 4, "RingRows": 4}, rules=("fetch",), blackboxes=("slog_job_check", "slog_job_plan"),
+          quick=False),
+    Proof("fetch_covers", "slog_fetch", "cover", 60, {"Width": 4, "MaxHeight": 8, "WordsPerRow": 2, "Slots": 2,
+          "MinWindow": 1, "MaxWindow": 4, "RingRows": 4}, rules=("fetch",),
+          blackboxes=("slog_job_check", "slog_job_plan"), quick=False),
+    Proof("operands", "slog_operands", "prove", 14, {"GroupBits": 4, "Lanes": 3, "RingRows": 4, "WordsPerRow": 8},
+          rules=("operands",), assumed=OPERANDS_USER),
+    Proof("operands_covers", "slog_operands", "cover", 24, {"GroupBits": 4, "Lanes": 3, "RingRows": 4,
+          "WordsPerRow": 8}, rules=("operands",), assumed=OPERANDS_USER, quick=False),
+    Proof("peak_row", "slog_peak", "bmc", 48, {"ScoreBits": 2, "MaxOffsets": 3, "ScoreDepth": 3, "ResultDepth": 2},
+          rules=("peak",), removed=PARTS_OWN, quick=False),
+    Proof("peak_rows_of_two", "slog_peak", "bmc", 48, {"ScoreBits": 2, "MaxOffsets": 2, "ScoreDepth": 6,
+          "ResultDepth": 2}, rules=("peak",), removed=("*Slog*",), quick=False),
+    Proof("peak_covers", "slog_peak", "cover", 56, {"ScoreBits": 2, "MaxOffsets": 3, "ScoreDepth": 3,
+          "ResultDepth": 2}, rules=("peak",), removed=("*Slog*",), quick=False),
+    Proof("control", "slog_control", "prove", 16, rules=("control",), blackboxes=CONTROL_PARTS),
+    Proof("control_covers", "slog_control", "cover", 32, rules=("control",), blackboxes=CONTROL_PARTS, quick=False),
+    Proof("board_busy", "slog_board", "prove", 14, rules=("fifo", "ram_fifo", "board"), blackboxes=BOARD_PARTS,
+          removed=("SlogBoardOneFrame",), quick=False),
+    Proof("board_busy_covers", "slog_board", "cover", 24, rules=("board",), blackboxes=BOARD_PARTS,
+          removed=("SlogBoardOneFrame",), quick=False),
     Proof("reset", "slog_reset", "bmc", 10, rules=("board_reset",), reset=0),
     Proof("reset_covers", "slog_reset", "cover", 20, rules=("board_reset",), reset=0),
     Proof("capture_channel", "slog_capture_channel", "prove", 6,
@@ -157,13 +193,10 @@ REASONS: Mapping[str, str] = {
     "slog_add_halves": "part of the proof `popcount`",
     "slog_align": DATA,
     "slog_array": WIRES,
-    "slog_board": WIRES,
     "slog_capture_slice": "part of the proof `capture_words`",
     "slog_clock_gate": "only in the fast simulation build, whose outputs are compared with the golden board's",
-    "slog_control": "not yet: most of it is the generated register block; its own assertions run in simulation",
     "slog_correlator": WIRES,
     "slog_counters": DATA,
-    "slog_fetch": "not yet: ten states around the store's latency; its own assertions run in simulation",
     "slog_fir": DATA,
     "slog_fir_kernel": DATA,
     "slog_frontend": LARGE,
@@ -172,14 +205,12 @@ REASONS: Mapping[str, str] = {
     "slog_line_buffer": LARGE,
     "slog_log": LARGE,
     "slog_mult": "the operator * behind registers",
-    "slog_operands": "not yet: as two memories it did not finish in time; its own assertions run in simulation",
     "slog_packer_slice": "part of the proof `packer`",
-    "slog_peak": "not yet as a whole; its parts are proved alone, but for slog_peak_collect",
-    "slog_peak_collect": DATA,
+    "slog_peak_collect": "part of the proofs `peak_row` and `peak_rows_of_two`",
     "slog_ram": "part of the proofs `ram_fifo` and `store`",
     "slog_reset_buffer": "a wire",
-    "slog_ring_slice": DATA,
-    "slog_search_ring": "not yet: its own assertions run in simulation",
+    "slog_ring_slice": "part of the proof `operands`",
+    "slog_search_ring": "part of the proof `operands`",
     "slog_store_slice": "part of the proof `store`",
     "slog_taps": DATA,
     "slog_taps_slice": DATA,

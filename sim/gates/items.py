@@ -43,6 +43,7 @@ ITEMS = (
     GateItem("frontend", "frontend/test_frontend.py"),
     GateItem("store", "store/test_store.py"),
     GateItem("capture", "store/test_capture.py"),
+    GateItem("counters", "control/test_counters.py"),
     GateItem("peek", "control/test_peek.py"),
     GateItem("registers", "control/test_registers.py"),
     GateItem("axi", "control/test_axi.py"),

@@ -40,8 +40,9 @@ _FILES = {
     "store.test_store": "slog_store slog_store_slice",
     "store.test_capture": "slog_capture slog_capture_channel slog_capture_slice",
     "control.test_axi": "slog_axil", "control.test_peek": "slog_peek",
-    "control.test_registers": "slog_control slog_counters slog_filter_bank",
-    "control.test_control": "slog_control slog_counters slog_filter_bank",
+    "control.test_counters": "slog_counters",
+    "control.test_registers": "slog_control slog_filter_bank",
+    "control.test_control": "slog_control slog_filter_bank",
     "test_board": "slog_board slog_reset",
 }
 TESTS: Mapping[str, tuple[str, ...]] = {

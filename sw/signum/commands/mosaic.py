@@ -4,34 +4,33 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from signum.applications.mosaic.accuracy import Track, accuracy_rows, pose_errors, read_track
-from signum.applications.mosaic.georeference import Georeference, ground_by_log, ground_by_range
+from signum.applications.mosaic.accuracy import accuracy_rows, pose_errors
 from signum.applications.mosaic.journal import SurveyRun
-from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import CURVED, SurveySettings
 from signum.applications.mosaic.shelf import find_survey, has_journal, read_record
 from signum.applications.mosaic.survey import Survey
+from signum.applications.mosaic.track import TimedTrack, Track
+from signum.applications.mosaic.track_reader import read_track
 from signum.applications.mosaic.ways import WAYS
 from signum.commands.app import command
-from signum.commands.options import BoardOptions, CalibrationOption, OutOption
+from signum.commands.ground import GroundOptions
+from signum.commands.options import SOURCE, BoardOptions, CalibrationOption, OutOption
 from signum.commands.outputs import move_aside
 from signum.commands.session import Session, kind_of
 from signum.commands.signals import shielded
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.files import replacing
+from signum.frames.frame import Frame
 from signum.measure.register import Registrar
-from signum.sources.open import open_lens
 from signum.tables.schemas import ACCURACY
 from signum.tables.table import Table
 
@@ -40,7 +39,6 @@ MADE = "run.json", "frames/journal.txt", "frames/starts.txt", "edges.csv", "pose
 LIVE_EVERY = 2.0
 """Seconds between two pictures of the growing mosaic."""
 BOARD_DEFAULTS = BoardOptions(sigma=2.5)
-GROUND = "Scale and place on the ground"
 
 
 class TrackKind(StrEnum):
@@ -49,49 +47,6 @@ class TrackKind(StrEnum):
     auto = "auto"
     single = "single"
     turned = "turned"
-
-
-@dataclass(frozen=True)
-class GroundOptions:
-    """How the mosaic finds its scale and its place on the ground."""
-
-    range_m: Annotated[float | None, typer.Option(
-        "--range", rich_help_panel=GROUND, min=0.01, help="Metres from camera to seabed at the first frame: gives the "
-        "mosaic a scale; needs --focal or --calibration.")] = None
-    focal: Annotated[float | None, typer.Option(
-        "--focal", rich_help_panel=GROUND, min=1.0, help="Focal length, pixels of the frames.")] = None
-    navigation: Annotated[Path | None, typer.Option(
-        "--navigation", rich_help_panel=GROUND, help="CSV with frame, east_m, north_m: the mosaic is laid north up on "
-        "the ground.")] = None
-    epsg: Annotated[int, typer.Option(
-        "--epsg", rich_help_panel=GROUND, min=0, max=65535, help="EPSG code of the projected coordinates of "
-        "--navigation, e.g. 32755.")] = 0
-
-    def placing(self, calibration: Path | None, label: str, size: Callable[[], tuple[int, int]]
-                ) -> Callable[[list[Pose], tuple[float, float]], Georeference | None] | None:
-        """How a component of the mosaic is placed on the ground; None where nothing is known.
-
-        Args:
-            calibration: of the camera.
-            label: of the source.
-            size: width and height of its frames; called only if they matter.
-
-        Raises:
-            SignumError: for a range without a focal length, or a code of coordinates without any.
-        """
-        if self.epsg and self.navigation is None:
-            raise SignumError("--epsg is of the coordinates in a --navigation log: add it, or leave --epsg out")
-        if self.navigation is not None:
-            log = read_track(self.navigation, label)
-            return lambda poses, _: ground_by_log(poses, log, self.epsg)
-        if self.range_m is None:
-            return None
-        focal = self.focal
-        if focal is None:
-            if calibration is None:
-                raise SignumError("--range needs the camera's focal length: add --focal (pixels) or --calibration")
-            focal = open_lens(calibration).scaled(size(), str(calibration)).focal
-        return partial(_scaled, self.range_m, focal)
 
 
 GROUND_DEFAULTS = GroundOptions()
@@ -116,6 +71,9 @@ def mosaic(
         "--resume/--anew", help="Continue the survey in --out with these frames, from wherever they are; or move --out "
         "aside, to a name that ends in -1, and start anew. By default the survey of the same source is continued.",
         show_default=False)] = None,
+    rate: Annotated[float | None, typer.Option(
+        "--rate", rich_help_panel=SOURCE, min=0.001, max=1000.0, help="Frames per second of a source whose frames have "
+        "no times, for a --navigation log by time.", show_default=False)] = None,
     live: Annotated[bool, typer.Option("--live/--no-live", help="Write mosaic.png every few seconds as it grows.")
                     ] = True,
 ) -> None:
@@ -125,20 +83,35 @@ def mosaic(
     Example: `signum mosaic survey/ --out out/mosaic`
     """
     settings = CURVED if columns is TrackKind.turned else SurveySettings(loops=columns is TrackKind.auto)
-    session = Session("mosaic", board, output, source, calibration)
+    session = Session("mosaic", board, output, source, calibration, rate)
     known = None if truth is None else read_track(truth, session.source.label)
-    placing = ground.placing(calibration, session.source.label, lambda: session.first.size)
+    place = ground.known(session.source, calibration, lambda: session.first.size)
     with session as run:
+        if isinstance(place.log, TimedTrack) and run.first.time_s is None:
+            raise SignumError(f"{ground.navigation}: is by time, and {run.source.label} has frames without times: give "
+                              "their --rate, or a log by frame")
         asked = SurveyRun(run.name, run.fit.source, not run.source.snapshots, board.window, board.sigma,
                           settings.columns, "" if calibration is None else str(calibration.resolve()))
         registrar = Registrar.on(run.measurer, run.fit, board.window, board.sigma)
         resumes = _resumes(resume, run, asked, [p for p in (calibration, truth, ground.navigation) if p is not None])
         survey = Survey(registrar, output, asked.stream, settings, asked.source, resumes,
                         LIVE_EVERY if live else float("inf"), asked.calibration)
-        survey.results.ground = placing
+        survey.results.ground = place.placing(lambda: survey.ledger.shelf.begun_s)
+        survey.results.cog = ground.cog
         _grow(run, survey, known)
     if survey.results.trouble:
         raise SignumError(survey.results.trouble)
+
+
+class _Frames:
+    """The frames of a session, each time anew where the source can give them again."""
+
+    def __init__(self, run: Session) -> None:
+        self._run, self._begun = run, False
+
+    def __iter__(self) -> Iterator[Frame]:
+        again, self._begun = self._begun, True
+        return self._run.frames_again() if again else self._run.frames()
 
 
 def _grow(run: Session, survey: Survey, known: Track | None) -> None:
@@ -168,7 +141,7 @@ def _grow(run: Session, survey: Survey, known: Track | None) -> None:
     run.measured = lambda: sum(edge.accepted for edge in survey.edges)
     run.summary = lambda: _outcome(survey, run.done, finished and known is not None)
     try:
-        frames = survey.ordered(run.frames(), run.live)
+        frames = survey.ordered(_Frames(run), run.live)
         for frame in run.steps("mosaic", frames, run.source.count):
             with shielded():
                 run.tell(survey.add(frame))
@@ -249,10 +222,6 @@ def _move_aside(run: Session, given: list[Path]) -> None:
     run.lock()
 
 
-def _scaled(range_m: float, focal: float, poses: list[Pose], centre: tuple[float, float]) -> Georeference:
-    return ground_by_range(range_m, focal, centre)
-
-
 def _judge(survey: Survey, truth: Track) -> None:
     """Write `accuracy.csv`: errors of the largest component, by the ways its frames can be placed."""
     piece = survey.ranked()[0]
@@ -279,6 +248,7 @@ def _outcome(survey: Survey, done: int, judged: bool) -> str:
     chained = [edge for edge in chained if edge.kind == "sequence" or edge.frame_b not in stored]
     lines.append(f"{survey.out / 'mosaic.png'}: {done} frames, {sum(k.accepted for k in chained)} of {len(chained)} "
                  f"edges accepted" + (f", {sum(k.accepted for k in others)} of {len(others)} across" if others else ""))
+    lines += survey.results.grounded
     if judged:
         lines.append(f"{survey.out / 'accuracy.csv'}: errors against the truth")
     return "\n".join(lines)

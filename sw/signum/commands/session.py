@@ -139,7 +139,7 @@ class Session:
 
     @cached_property
     def _frames(self) -> Iterator[Frame]:
-        return timed(self.source, self.source.label, self._rate)
+        return self.frames_again()
 
     @cached_property
     def fit(self) -> Fit:
@@ -164,6 +164,10 @@ class Session:
     def frames(self) -> Iterator[Frame]:
         """The source's frames from the first, without a progress line."""
         return chain([self.first], self._frames)
+
+    def frames_again(self) -> Iterator[Frame]:
+        """The source's frames once more, if it is not live."""
+        return timed(self.source, self.source.label, self._rate)
 
     def steps(self, what: str, items: Iterable[T], total: int | None) -> Iterator[T]:
         """The items, with a progress line until the last; `tell` advances it."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,8 +14,8 @@ from PIL import Image as PilImage
 
 
 def times_of(files: Sequence[Path]) -> list[float | None]:
-    """Seconds since 1970 at which pictures were taken, the camera's clock being taken for UTC; None for all of them
-    unless every one has a time, and none is earlier than the one before."""
+    """Seconds since 1970 at which pictures were taken; None for all of them unless every one has a time, and none is
+    earlier than the one before. See `taken_at`."""
     times = [taken_at(file) for file in files[:1]]
     if times == [None]:
         return [None] * len(files)
@@ -24,12 +25,18 @@ def times_of(files: Sequence[Path]) -> list[float | None]:
 
 
 def taken_at(file: Path) -> float | None:
-    """Seconds since 1970 at which a picture was taken; None if it does not say."""
+    """Seconds since 1970 at which a picture was taken; None if it does not say.
+
+    The camera's clock is taken for UTC unless the picture states by how much it is ahead of that.
+    """
     detail = _tags(file, ExifTags.IFD.Exif)
     text = str(detail.get(ExifTags.Base.DateTimeOriginal, "")).strip("\0 ")
     part = "".join(c for c in str(detail.get(ExifTags.Base.SubsecTimeOriginal, "")) if c.isdigit())
+    zone = str(detail.get(ExifTags.Base.OffsetTimeOriginal, "")).strip("\0 ")
     try:
         moment = datetime.strptime(text, "%Y:%m:%d %H:%M:%S").replace(tzinfo=UTC)
+        if re.fullmatch(r"[+-]\d\d:\d\d", zone):
+            moment = datetime.strptime(f"{text}{zone}", "%Y:%m:%d %H:%M:%S%z")
     except ValueError:
         return None
     return moment.timestamp() + (float(f"0.{part}") if part else 0.0)

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 from signum.applications.mosaic import simulate
-from signum.applications.mosaic.accuracy import PoseErrors, Track, pose_errors
+from signum.applications.mosaic.accuracy import PoseErrors, pose_errors
 from signum.applications.mosaic.blend import compose
 from signum.applications.mosaic.column import fly_column
 from signum.applications.mosaic.edges import SEQUENCE
@@ -19,6 +19,7 @@ from signum.applications.mosaic.ledger import Piece
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.simulate import Flown, Plan, ground_view, seafloor
 from signum.applications.mosaic.survey import Survey
+from signum.applications.mosaic.track import Track
 from signum.applications.mosaic.ways import WAYS
 from signum.boards.board import Board
 from signum.common.arrays import Image

@@ -10,9 +10,10 @@ import cv2
 import numpy as np
 from matplotlib import pyplot as plt
 
-from signum.applications.mosaic.accuracy import pose_errors, read_track
+from signum.applications.mosaic.accuracy import pose_errors
 from signum.applications.mosaic.simulate import Plan, simulate_survey
 from signum.applications.mosaic.survey import Survey
+from signum.applications.mosaic.track_reader import read_track
 from signum.boards.board import Board
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit

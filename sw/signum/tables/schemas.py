@@ -42,8 +42,9 @@ PLACES = "name", "x_px", "y_px"
 """`places.csv`, an optional table beside a mosaic: named places, in pixels of mosaic.png."""
 EDGES = "frame_a", "frame_b", "dx_px", "dy_px", "score", "margin", "accepted"
 """`edges.csv`: displacement of a's centre in b from b's centre."""
-POSES = "frame", "x_px", "y_px", "rot_deg", "scale"
-"""`poses.csv`: the frame's centre, rotation and scale in the mosaic plane, the pixel plane of the first frame."""
+POSES = "frame", "time_s", "x_px", "y_px", "rot_deg", "scale"
+"""`poses.csv`: the frame's time when it was taken in, its centre, rotation and scale in the mosaic plane, the pixel
+plane of the first frame."""
 SURVEY_EDGES = (*EDGES, "kind", "rot_deg", "scale", "middle_x_px", "middle_y_px", "spread_px", "rms_px", "agreed",
                 "tried", "reason")
 """Columns of a survey's `edges.csv`: those of `EDGES`, the kind of edge, rotation and scale from a to b, centroid (in

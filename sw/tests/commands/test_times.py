@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from signum.commands.cli import application
 from signum.common.arrays import Image
 from signum.common.files import write_picture
-from signum.tables.schemas import DISPARITY, DRIFT, FLOW, FOLLOW, GOTO, NAVIGATE, TRACK
+from signum.tables.schemas import DISPARITY, DRIFT, FLOW, FOLLOW, GOTO, NAVIGATE, POSES, TRACK
 from signum.world.seafloor import photograph
 
 TIMES_MS = 0, 200, 300, 1300
@@ -78,6 +78,11 @@ def test_flow(dive: Path, tmp_path: Path) -> None:
 def test_stereo(dive: Path, tmp_path: Path) -> None:
     _run("stereo", dive, dive, "--least", "-8", "--most", "8", "--step", "32", "--out", tmp_path)
     assert _times(_rows(tmp_path / "disparity.csv", DISPARITY)) == TIMES
+
+
+def test_mosaic(dive: Path, tmp_path: Path) -> None:
+    _run("mosaic", dive, "--window", "32", "--no-live", "--out", tmp_path)
+    assert _times(_rows(tmp_path / "poses.csv", POSES)) == TIMES
 
 
 def test_navigate(dive: Path, tmp_path: Path) -> None:

@@ -65,6 +65,7 @@ KINDS = {
     "stereo": Kind(("stereo", "{in}/l.png", "{in}/r.png", "--step", "48", "--calibration", "{in}/c.yaml", "--out",
                     "{out}"), ("c.yaml",), weight=9),
     "navigation": Kind((*MOSAIC, "{out}", "--navigation", "{in}/n.csv"), ("n.csv",), weight=5),
+    "fixes": Kind((*MOSAIC, "{out}", "--rate", "10", "--navigation", "{in}/n.csv"), ("n.csv",), weight=3),
     "truth": Kind((*MOSAIC, "{out}", "--truth", "{in}/n.csv"), ("n.csv",), weight=3),
     "resume": Kind((*MOSAIC, "{in}/survey", "--resume"), ("survey/*.csv", "survey/run.json", "survey/frames/*"),
                    weight=5, resumed=True),
@@ -116,7 +117,7 @@ def build(folder: Path) -> None:
         (folder / kind).mkdir(parents=True)
     for kind in ("png", "jpg", "tif", "bmp", "pgm", "webp"):
         write_picture(folder / kind / f"a.{kind}", pictures[0])
-    for name in ("folder", "names", "navigation/pictures", "truth/pictures", "resume/pictures"):
+    for name in ("folder", "names", "navigation/pictures", "fixes/pictures", "truth/pictures", "resume/pictures"):
         (folder / name).mkdir(exist_ok=True)
         for k, picture in enumerate(pictures):
             write_picture(folder / name / f"{k}.png", picture)
@@ -145,6 +146,8 @@ def build(folder: Path) -> None:
     rows = "".join(f"{k},{500000 + 0.02 * k},{6090000 - 0.015 * k}\n" for k in range(FRAMES))
     for kind in ("navigation", "truth"):
         (folder / kind / "n.csv").write_text(f"frame,east_m,north_m\n{rows}")
+    rows = "".join(f"{k / 10};{-35.31 - 1e-7 * k:.9f};{149.05 + 2e-7 * k:.9f}\n" for k in range(FRAMES))
+    (folder / "fixes" / "n.csv").write_text(f"time_s;latitude;longitude\n{rows}")
     write_picture(folder / "chart" / "mosaic.png", np.asarray(data.gravel()[40:280, 40:320], np.uint8))
     (folder / "chart" / "places.csv").write_text("name,x_px,y_px\nrock,120.5,100\nweed,60,60\n")
 

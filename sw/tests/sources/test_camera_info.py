@@ -19,7 +19,7 @@ from rosbags.typesys import Stores, get_typestore
 from typer.testing import CliRunner
 
 from signum.commands.cli import application
-from signum.commands.mosaic import GroundOptions
+from signum.commands.ground import GroundOptions
 from signum.geometry.calibration import CalibrationError
 from signum.sources.open import open_lens, open_rig, open_source
 from tests.fuzz.corpus import SIZE, calibration, frames
@@ -164,10 +164,8 @@ def test_the_focal_length_is_that_of_the_frames(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "is for 320x240, scaled to the frames' 160x120" in result.stderr
     assert re.search(r"focal length 160 px", (tmp_path / "out" / "report.html").read_text())
-    placing = GroundOptions(range_m=2.0).placing(path, "dive", lambda: SIZE)
-    assert placing is not None
-    georeference = placing([], (0.0, 0.0))
-    assert georeference is not None and abs(georeference.onto.factor) == pytest.approx(2.0 / 160)
+    ground = GroundOptions(range_m=2.0).known(open_source(tmp_path / "dive.npy"), path, lambda: SIZE)
+    assert ground.pixel_m == pytest.approx(2.0 / 160)
 
 
 def test_another_aspect_is_refused_with_the_reason(tmp_path: Path) -> None:

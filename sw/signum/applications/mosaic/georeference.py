@@ -1,36 +1,41 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where on earth a mosaic is: scale from the camera's range, place from a navigation log; world files and GeoTIFF.
+"""Where on earth a mosaic is: scale from the camera's range, or scale, rotation and place from a navigation log.
 
-GeoTIFF 1.1 (OGC 19-008): ModelPixelScale, ModelTiepoint and the GeoKeys that define the numbers. The mosaic is
-turned north up where north is known, so that these tags describe it fully.
+The mosaic is turned north up where north is known. A log that cannot be right is refused rather than followed to a
+wrong place.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-import tifffile
 
-from signum.applications.mosaic.accuracy import Track, align
+from signum.applications.mosaic.accuracy import align
 from signum.applications.mosaic.blend import Mosaic
 from signum.applications.mosaic.pose import Pose
-from signum.common.arrays import Complexes, Image
+from signum.applications.mosaic.track import TimedTrack, Track, listed
+from signum.common.arrays import Complexes, Floats
 from signum.common.errors import SignumError
-from signum.common.files import replacing, write_text
+from signum.geometry.earth import degrees_of, place_text, system
 from signum.geometry.similarity import Similarity
 
-PIXEL_SCALE, TIEPOINT, GEO_KEYS, GEO_TEXT, NO_DATA = 33550, 33922, 34735, 34737, 42113
-"""TIFF tags: ModelPixelScaleTag, ModelTiepointTag, GeoKeyDirectoryTag, GeoAsciiParamsTag, GDAL_NODATA."""
-MODEL_TYPE, RASTER_TYPE, CITATION, PROJECTED, UNITS = 1024, 1025, 1026, 3072, 3076
-"""GeoKeys: GTModelType, GTRasterType, GTCitation, ProjectedCRS, ProjLinearUnits."""
-PROJECTED_MODEL, PIXEL_IS_AREA, USER_DEFINED, METRE = 1, 1, 32767, 9001
-"""Values of GeoKeys."""
 OUTLIER = 3.0
 """Factor of the usual distance beyond which a fix is left out."""
+NEAR_PX = 1.0
+"""A fix that is off by up to this, pixels, is never left out."""
 PAIRED = 40
 """Most fixes of which all pairs are tried."""
+REDUNDANT = 4
+"""Fewest fixes of which a wrong one can be told from the others."""
+UNLIKE = 0.5
+"""A log whose usual distance from the mosaic is more than this share of its extent does not belong to it."""
+MIRRORED = 0.3
+"""A log that its mirror image fits by this factor better has swapped or reversed axes."""
+LEAST_PIXEL_M, LARGEST_PIXEL_M = 1e-5, 100.0
+"""What a pixel can cover, metres: finer than any camera's, coarser than any survey's."""
+SCALES_AGREE = 2.0
+"""Most the scale by the log and by range and focal length differ, as a factor."""
 
 
 @dataclass(frozen=True)
@@ -42,12 +47,20 @@ class Georeference:
         known: what is known, for the file's citation: "local" metres from the first frame, or the log's coordinates.
         epsg: code of the projected reference system; 0 where none is given.
         residual_m: root-mean-square distance of the frames from their logged places; 0 without a log.
+        fixes: frames whose place the log has.
+        frames: all that are placed.
+        left_out: frames whose logged place is too far off to count, and the distance, metres.
+        accuracy_m: of the step from latitude and longitude to the system's datum, metres.
     """
 
     onto: Similarity
     known: str
     epsg: int = 0
     residual_m: float = 0.0
+    fixes: int = 0
+    frames: int = 0
+    left_out: tuple[tuple[str, float], ...] = ()
+    accuracy_m: float = 0.0
 
     @property
     def upright(self) -> Similarity:
@@ -60,47 +73,96 @@ class Georeference:
         return self.onto.scale
 
 
-def ground_by_range(range_m: float, focal_px: float, centre: tuple[float, float]) -> Georeference:
+def ground_by_range(pixel_m: float, centre: tuple[float, float]) -> Georeference:
     """Scale from the camera's range and focal length; metres east and north of the first frame's centre, its up being
     north.
 
     Args:
-        range_m: from camera to seabed at the first frame, metres.
-        focal_px: pixels of the original frames.
+        pixel_m: metres a pixel of the first frame covers, range over focal length.
         centre: of the first frame, pixels.
     """
-    metres = range_m / focal_px
-    return Georeference(Similarity(complex(metres), -metres * complex(*centre)), "local, metres from the first frame")
+    return Georeference(Similarity(complex(pixel_m), -pixel_m * complex(*centre)), "local, metres from the first frame")
 
 
-def ground_by_log(poses: list[Pose], log: Track, epsg: int = 0) -> Georeference:
+def ground_by_log(poses: list[Pose], log: Track | TimedTrack, expected_m: float = 0.0) -> Georeference:
     """Scale, rotation and place from a navigation log, without outlying fixes.
 
+    Args:
+        poses: of the frames of a component.
+        log: positions in metres, by frame or time.
+        expected_m: metres a pixel by the camera's range and focal length; 0 where they are not known.
+
     Raises:
-        SignumError: if it has positions for fewer than two of the frames, or is in pixels.
+        SignumError: if it has positions for fewer than two of the frames, is in pixels, or cannot belong to this
+            mosaic: its shape is another, or mirrored, or the scale is not that of a camera.
     """
-    known = [p for p in poses if p.frame in log.positions]
-    if log.unit != "m":
-        raise SignumError("the navigation log gives pixels: it needs metres, columns east_m and north_m")
+    track = log.of(poses)
+    known = [p for p in poses if p.frame in track.positions]
+    if track.unit != "m":
+        raise SignumError("the navigation log gives pixels: it needs metres, columns east_m and north_m, or latitude "
+                          "and longitude")
     if len(known) < 2:
-        raise SignumError(f"the navigation log has positions for {len(known)} of the placed frames, two are needed: "
-                          f"its frames are called {', '.join(list(log.positions)[:3])}, ..., those of the mosaic "
-                          f"{', '.join(p.frame for p in poses[:3])}, ...")
+        theirs = f"its frames are called {', '.join(list(log.positions)[:3])}, ..., those of the mosaic " \
+                 f"{', '.join(p.frame for p in poses[:3])}, ..." if isinstance(log, Track) else "see its times"
+        raise SignumError(f"the navigation log has positions for {len(known)} of the {len(poses)} placed frames, two "
+                          f"are needed: {theirs}")
     z = np.array([complex(p.x_px, p.y_px) for p in known])
-    w = np.array([log.positions[p.frame] for p in known])
+    w = np.array([track.positions[p.frame] for p in known])
+    onto, off, good = _fit(z, w)
+    _check_scale(onto.scale, expected_m)
+    _check_shape(z, w, off)
+    left_out = tuple((p.frame, float(far)) for p, far, used in zip(known, off, good, strict=True) if not used)
+    return Georeference(onto, "navigation log, metres", track.epsg, float(np.sqrt(np.mean(off[good]**2))), len(known),
+                        len(poses), left_out, track.accuracy_m)
+
+
+def _fit(z: Complexes, w: Complexes) -> tuple[Similarity, Floats, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+    """The similarity of points z (n,) onto w (n,) without outliers, the distance of each (n,), and which were used."""
+    if len(z) < REDUNDANT:
+        onto = align(z, w)
+        return onto, np.abs(onto.factor * z + onto.shift - w), np.ones(len(z), bool)
     onto = _least_median(z, w)
     for _ in range(10):
         off = np.abs(onto.factor * z + onto.shift - w)
-        good = off <= OUTLIER * max(1.4826 * float(np.median(off)), 1e-9)
+        good = off <= max(OUTLIER * 1.4826 * float(np.median(off)), NEAR_PX * onto.scale)
         better = align(z[good], w[good])
         if better == onto:
             break
         onto = better
-    if not 1e-9 < onto.scale < 1e9:
-        raise SignumError("the navigation log and the mosaic have no scale in common: the frames lie at one place in "
-                          "one of them; expected fixes that are apart")
-    off = np.abs(onto.factor * z + onto.shift - w)[good]
-    return Georeference(onto, "navigation log, metres", epsg, float(np.sqrt(np.mean(off**2))))
+    return onto, np.abs(onto.factor * z + onto.shift - w), good
+
+
+def _check_scale(pixel_m: float, expected_m: float) -> None:
+    """Check that a pixel covers what it can, metres.
+
+    Raises:
+        SignumError: if it does not.
+    """
+    if not LEAST_PIXEL_M < pixel_m < LARGEST_PIXEL_M:
+        raise SignumError(f"by the navigation log a pixel would cover {pixel_m:.2g} m, which no camera does: it needs "
+                          "metres (not degrees or kilometres) of these frames, at fixes that are apart")
+    if expected_m and not 1 / SCALES_AGREE < pixel_m / expected_m < SCALES_AGREE:
+        raise SignumError(f"by the navigation log a pixel covers {pixel_m:.3g} m, by --range and the focal length "
+                          f"{expected_m:.3g} m: one of them is in other units, or the log is of other frames")
+
+
+def _check_shape(z: Complexes, w: Complexes, off: Floats) -> None:
+    """Check that a track w (n,) has the shape of the mosaic's z (n,); `off` (n,) is what the best fit leaves.
+
+    Raises:
+        SignumError: if it has another, or is its mirror image.
+    """
+    if len(z) < 3:
+        return
+    miss = float(np.median(off))
+    if len(z) >= REDUNDANT and float(np.median(_fit(z.conj(), w)[1])) < MIRRORED * miss:
+        raise SignumError("the navigation log's track is the mirror image of the mosaic's: east and north are swapped, "
+                          "or one of them counts the other way")
+    extent = float(np.median(np.abs(w - complex(np.median(w.real), np.median(w.imag)))))
+    if miss > UNLIKE * extent:
+        raise SignumError(f"the navigation log's track is not the mosaic's: after the best fit its fixes are "
+                          f"{miss:.3g} m off, of an extent of {extent:.3g} m; is it the log of these frames, and of "
+                          "the same clock?")
 
 
 def _least_median(z: Complexes, w: Complexes) -> Similarity:
@@ -124,27 +186,34 @@ def world_of(mosaic: Mosaic, geo: Georeference) -> tuple[float, float, float]:
     return step, corner.real, -corner.imag
 
 
-def write_world_file(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
-    """The six numbers that go beside a PNG (`.pgw`)."""
-    step, east, north = world_of(mosaic, geo)
-    write_text(path, "".join(f"{v:.10f}\n" for v in (step, 0.0, 0.0, -step, east, north)))
+def ground_lines(name: str, mosaic: Mosaic, geo: Georeference) -> list[str]:
+    """What is to be said of where a mosaic lies: by which fixes, in which system, and where on Earth.
 
-
-def write_geotiff(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
-    """Write a mosaic made in the upright plane, with its scale and origin."""
+    Args:
+        name: of the GeoTIFF.
+        mosaic: made in the upright plane.
+        geo: its place.
+    """
     step, east, north = world_of(mosaic, geo)
-    citation = f"{geo.known}|"
-    system = geo.epsg or USER_DEFINED
-    keys = [(MODEL_TYPE, 0, 1, PROJECTED_MODEL), (RASTER_TYPE, 0, 1, PIXEL_IS_AREA),
-            (CITATION, GEO_TEXT, len(citation), 0), (PROJECTED, 0, 1, system), (UNITS, 0, 1, METRE)]
-    directory = (1, 1, 1, len(keys), *(value for key in keys for value in key))
-    # An area's pixel (0, 0) begins half a pixel before its centre.
-    tie = (0.0, 0.0, 0.0, east - step / 2, north + step / 2, 0.0)
-    picture: Image = mosaic.picture if mosaic.picture.ndim == 2 else np.ascontiguousarray(mosaic.picture[:, :, ::-1])
-    with replacing(path) as half:
-        tifffile.imwrite(
-            half, picture, photometric="minisblack" if picture.ndim == 2 else "rgb", compression="zlib",
-            tile=(256, 256), bigtiff=picture.nbytes > 3_000_000_000, metadata=None,
-            extratags=[(PIXEL_SCALE, "d", 3, (step, step, 0.0), True), (TIEPOINT, "d", 6, tie, True),
-                       (GEO_KEYS, "H", len(directory), directory, True), (GEO_TEXT, "s", 0, citation, True),
-                       (NO_DATA, "s", 0, "0", True)])
+    about = f"{name}: {step:.4g} m a pixel"
+    if not geo.fixes:
+        return [f"{about}, in metres from the first frame: it has no place on Earth, for which --navigation or --exif "
+                "is needed"]
+    lines = [f"{about}, laid by {geo.fixes - len(geo.left_out)} fixes for {geo.frames} frames, which they miss by "
+             f"{geo.residual_m:.3g} m RMS"]
+    if geo.fixes == 2:
+        lines.append(f"{name}: two fixes alone lay it: nothing checks them")
+    if geo.left_out:
+        far = listed([f"{frame} ({metres:.3g} m)" for frame, metres in geo.left_out])
+        lines.append(f"{name}: fixes that do not fit the others are left out: {far}")
+    if not geo.epsg:
+        lines.append(f"{name}: no --epsg was given: its metres are of an unknown system, and no map program can place "
+                     "it on Earth")
+        return lines
+    height, width = mosaic.picture.shape[:2]
+    middle = place_text(*degrees_of(east + step * (width - 1) / 2, north - step * (height - 1) / 2, geo.epsg))
+    lines.append(f"{name}: EPSG {geo.epsg}, {system(geo.epsg).name}; its middle is at {middle}")
+    if geo.accuracy_m:
+        lines.append(f"{name}: latitude and longitude were taken as WGS 84, from which the way to the datum of EPSG "
+                     f"{geo.epsg} is known to {geo.accuracy_m:g} m")
+    return lines

@@ -7,7 +7,7 @@ measured is not measured again, and the result has the same bytes as that of an 
 and a JSON array:
 
     run      what was asked for; see `SurveyRun`
-    frame    number, name, CRC-32 of the picture's pixels
+    frame    number, name, CRC-32 of the picture's pixels, time in seconds if it has one
     stored   number, CRC-32 of `NUMBER.png`
     pair     numbers of both frames, guess (4 numbers) or null, reach or null, the registration
 
@@ -89,6 +89,7 @@ class Journal:
     Attributes:
         run: what was asked for; None if that line cannot be read.
         frames: by number, name and CRC-32 of the pixels of the frames in the journal.
+        times: by number, seconds on the source's clock, of the frames that have a time.
         stored: by number, CRC-32 of the stored pictures' files.
         dropped: lines that could not be read.
     """
@@ -97,6 +98,7 @@ class Journal:
         self.path = path
         self.run: SurveyRun | None = None
         self.frames: dict[int, tuple[str, int]] = {}
+        self.times: dict[int, float] = {}
         self.stored: dict[int, int] = {}
         self.dropped = 0
         self._known: dict[Key, Registration] = {}
@@ -123,8 +125,8 @@ class Journal:
         if kind == "run":
             self.run = SurveyRun.read(values[0])
         elif kind == "frame":
-            number, name, crc = values
-            self.frames[number] = name, crc
+            number, name, crc, *time = values
+            self._note(number, name, crc, float(time[0]) if time else None)
         elif kind == "stored":
             self.stored[values[0]] = values[1]
         elif kind == "pair":
@@ -142,11 +144,18 @@ class Journal:
             self.run = run
             self.sync()
 
-    def frame(self, number: int, name: str, crc: int) -> None:
-        """Note a frame before anything is measured on it; nothing is written if it is noted already."""
-        if self.frames.get(number) != (name, crc):
-            self.frames[number] = name, crc
-            self._write("frame", number, name, crc)
+    def frame(self, number: int, name: str, crc: int, time: float | None = None) -> None:
+        """Note a frame and its time before anything is measured on it; nothing is written if both are noted already. A
+        frame that comes without a time keeps the one that is noted."""
+        if self.frames.get(number) != (name, crc) or time not in (None, self.times.get(number)):
+            time = self.times.get(number) if time is None else time
+            self._note(number, name, crc, time)
+            self._write("frame", number, name, crc, *(() if time is None else (time,)))
+
+    def _note(self, number: int, name: str, crc: int, time: float | None) -> None:
+        self.frames[number] = name, crc
+        if time is not None and math.isfinite(time):
+            self.times[number] = time
 
     def store(self, number: int, crc: int) -> None:
         """Note that a frame's picture is stored; also makes sure that all lines so far are on the disk."""

@@ -135,7 +135,7 @@ class Ledger:
 
     def poses(self, piece: Piece) -> list[Pose]:
         """Poses of a component's frames, in order."""
-        return [Pose.of(name, piece.place(name), self.centre) for name in piece.frames]
+        return [Pose.of(name, piece.place(name), self.centre, self.shelf.time(name)) for name in piece.frames]
 
     def register(self, a: str, b: str, guess: Similarity | None = None, reach: int | None = None) -> Registration:
         """Find frame a in frame b, each stored or at work; see `Registrar.register`."""

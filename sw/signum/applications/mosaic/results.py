@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 
 from signum.applications.mosaic.blend import compose, sketch
-from signum.applications.mosaic.georeference import Georeference, world_of, write_geotiff, write_world_file
+from signum.applications.mosaic.georeference import Georeference, ground_lines, world_of
+from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Image
@@ -36,12 +37,16 @@ class Results:
 
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
+        cog: whether these are Cloud Optimized GeoTIFFs.
+        grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
     """
 
     def __init__(self, ledger: Ledger) -> None:
         self._ledger = ledger
         self.ground: Grounding | None = None
+        self.cog = False
+        self.grounded: list[str] = []
         self.trouble = ""
         self._sizes: list[str] = []
         self._thumbs: dict[str, Image] = {}
@@ -77,7 +82,7 @@ class Results:
     def write_all(self) -> None:
         """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
-        self.trouble, self._sizes = "", []
+        self.trouble, self.grounded, self._sizes = "", [], []
         blended, grounded = set(), set()
         for number, piece in enumerate(self._ledger.ranked(), 1):
             if number == 1 or len(piece.stored) > 1:
@@ -102,14 +107,16 @@ class Results:
             try:
                 geo = self.ground(ledger.poses(piece), ledger.centre)
             except SignumError as error:
-                self.trouble = self.trouble or str(error)
+                of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
+                self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
         mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
             write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
-            write_geotiff(make(f"mosaic{ending}.tif"), mosaic, geo)
+            write_geotiff(path := make(f"mosaic{ending}.tif"), mosaic, geo, self.cog)
+            self.grounded += ground_lines(str(path), mosaic, geo)
         height, width = mosaic.picture.shape[:2]
         step = world_of(mosaic, geo)[0] if geo else 0.0
         self._sizes.append(f"mosaic{ending}.png {width}x{height} px"

@@ -22,6 +22,7 @@ from signum.applications.mosaic.journal import Journal, SurveyRun, key_of
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.common.files import decode_png, own_bytes, png, write_bytes, write_text
+from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Prepared, Registrar, Registration
 
@@ -98,12 +99,13 @@ class Shelf:
         self._numbers[name] = number
         self._next = max(self._next, number + 1)
 
-    def take(self, name: str, picture: Image) -> None:
+    def take(self, frame: Frame) -> None:
         """Note a frame in the journal, before anything is measured on it; its picture stays in memory until `let_go`.
 
         Raises:
             ResumeError: if the frame was taken in before with another picture.
         """
+        name, picture = frame.name, frame.picture
         number, crc = self.number(name), zlib.crc32(picture.tobytes())
         before = self.journal.frames.get(number)
         if before is not None and picture.size and before[1] != crc:
@@ -111,7 +113,16 @@ class Shelf:
                               "in: give the same source, or start anew with --anew")
         self._at_hand[name] = picture
         if picture.size:
-            self.journal.frame(number, name, crc)
+            self.journal.frame(number, name, crc, frame.time_s)
+
+    def time(self, name: str) -> float | None:
+        """A frame's time on its source's clock, seconds; None if it has none."""
+        return self.journal.times.get(self.number(name))
+
+    @property
+    def begun_s(self) -> float | None:
+        """The time of the first frame that was taken in, seconds; None if it has none."""
+        return self.journal.times.get(min(self.journal.frames, default=-1))
 
     def let_go(self, names: set[str]) -> None:
         """Keep the pictures of these frames in memory, of no others."""

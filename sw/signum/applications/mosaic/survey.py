@@ -139,12 +139,12 @@ class Survey:
                 shelf.call(number, found.name)
             elif found is None:
                 picture = shelf.stored(name)
-                found = Frame(name, NO_PICTURE if picture is None else picture)
+                found = Frame(name, NO_PICTURE if picture is None else picture, shelf.time(name))
             yield found
         if live:
             self._forget_without_picture()
             for k, frame in enumerate(frames, 1 + max(known, default=-1)):
-                yield Frame(str(k), frame.picture)
+                yield replace(frame, name=str(k))
             return
         for frames_left in (ahead, frames if passed else ()):
             for frame in frames_left:
@@ -203,7 +203,7 @@ class Survey:
         shelf = self.ledger.shelf
         if new:
             shelf.describe(finished=False)
-        shelf.take(frame.name, frame.picture)
+        shelf.take(frame)
         self.done.add(frame.name)
         try:
             outcome = self._take(frame)

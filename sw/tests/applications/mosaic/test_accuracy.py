@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 import tifffile
 
-from signum.applications.mosaic.accuracy import Track, accuracy_rows, pose_errors, read_track
+from signum.applications.mosaic.accuracy import accuracy_rows, pose_errors
 from signum.applications.mosaic.blend import Mosaic
 from signum.applications.mosaic.edges import LOOP, Edge
-from signum.applications.mosaic.georeference import (
-    ground_by_log,
-    ground_by_range,
-    world_of,
-    write_geotiff,
-    write_world_file,
-)
+from signum.applications.mosaic.georeference import ground_by_log, ground_by_range, world_of
+from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
 from signum.applications.mosaic.pose import Pose
+from signum.applications.mosaic.track import Track
+from signum.applications.mosaic.track_reader import read_track
 from signum.common.errors import SignumError
 from signum.geometry.similarity import Similarity
 from signum.tables.schemas import SURVEY_EDGES
@@ -100,9 +97,10 @@ def test_geotiff_from_a_navigation_log(tmp_path: Path, colour: bool) -> None:
     rng = np.random.default_rng(0)
     poses = [Pose(str(k), 50.0 + 3 * (k % 3), 40.0 - 30 * k, 0, 1) for k in range(6)]
     # Image up is east, so image right is south.
-    log = Track({p.frame: complex(500_000 - 0.02 * p.y_px, -(4_000_000 - 0.02 * p.x_px)) for p in poses}, {}, "m")
+    log = Track({p.frame: complex(500_000 - 0.02 * p.y_px, -(4_000_000 - 0.02 * p.x_px)) for p in poses}, {}, "m",
+                32755)
     log.positions["4"] += 50
-    geo = ground_by_log(poses, log, 32755)
+    geo = ground_by_log(poses, log)
     assert geo.pixel_m == pytest.approx(0.02) and geo.residual_m < 1e-6
     picture = rng.integers(0, 255, (40, 60, 3) if colour else (40, 60), dtype=np.uint8)
     mosaic = Mosaic(picture, (-100.0, -10.0), 0.5)
@@ -129,7 +127,7 @@ def test_geotiff_from_a_navigation_log(tmp_path: Path, colour: bool) -> None:
 
 
 def test_scale_from_range() -> None:
-    geo = ground_by_range(2.0, 500.0, (287.5, 191.5))
+    geo = ground_by_range(2.0 / 500.0, (287.5, 191.5))
     step, east, north = world_of(Mosaic(np.zeros((4, 4), np.uint8), (287.5, 191.5), 1.0), geo)
     assert step == pytest.approx(0.004) and (east, north) == pytest.approx((0, 0))
     with pytest.raises(SignumError, match="two are needed"):

@@ -153,11 +153,14 @@ def test_a_journal_gives_back_every_bit(tmp_path: Path) -> None:
                          True, (np.float64(0.1), 0.7), 1e-9, 5.0)
     for number in range(3):
         journal.frame(number, NAMES[number], number)
+    journal.frame(1, NAMES[1], 1, 0.1 + 0.2)
+    journal.frame(1, NAMES[1], 1)
     kept = journal.pair(key_of(0, 1, guess, 24), found)
     journal.store(1, 77)
     journal.close()
     back = Journal(journal.path)
     back.read()
     assert back.find(key_of(0, 1, guess, 24)) == kept == found and back.find(key_of(0, 1, None, 24)) is None
-    assert back.run == run and back.stored == {1: 77} and not back.dropped
+    assert back.run == run and back.stored == {1: 77} and not back.dropped and back.times == {1: 0.1 + 0.2}
+    assert journal.path.read_bytes().count(b'["frame",1,') == 2, "nothing is written for a frame without a new time"
     assert {name for name, _ in back.frames.values()} == set(NAMES[:3])

@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from signum.applications.mosaic.accuracy import pose_errors, read_track
+from signum.applications.mosaic.accuracy import pose_errors
 from signum.applications.mosaic.edges import JOIN, SEQUENCE
 from signum.applications.mosaic.loop_closures import Loops
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import ResumeError
 from signum.applications.mosaic.simulate import Flown, Plan, simulate_survey
 from signum.applications.mosaic.survey import Survey
+from signum.applications.mosaic.track_reader import read_track
 from signum.boards.board import Board
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
