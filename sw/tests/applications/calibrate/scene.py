@@ -65,19 +65,19 @@ class Scene:
         self._texture = cv2.GaussianBlur(target.draw(SQUARE_PX).astype(np.float32), (0, 0), 1.0)
         self._rng = np.random.default_rng(seed)
         width, height = lens.size
-        u, v = np.meshgrid((np.arange(width * FINE) + 0.5) / FINE - 0.5, (np.arange(height * FINE) + 0.5) / FINE - 0.5)
-        self._rays = lens.rays(np.stack([u.ravel(), v.ravel()], -1)).reshape(*u.shape, 2)
+        u, v = np.meshgrid(np.arange(width), np.arange(height))
+        rays = lens.rays(np.stack([u.ravel(), v.ravel()], -1)).reshape(*u.shape, 2).astype(np.float32)
+        self._rays = np.asarray(cv2.resize(rays, None, fx=FINE, fy=FINE, interpolation=cv2.INTER_LINEAR))
 
     def picture(self, pose: Pose) -> Image:
         """The picture, uint8 (H, W), of a blurred and noisy camera."""
         turn, move = pose
-        plane = np.linalg.inv(np.c_[turn[:, :2], move])  # a ray (x, y, 1) to the board's metres
+        plane = np.linalg.inv(np.c_[turn[:, :2], move]).astype(np.float32)  # a ray (x, y, 1) to the board's metres
         x, y = self._rays[..., 0], self._rays[..., 1]
         a, b, c = (row[0] * x + row[1] * y + row[2] for row in plane)
-        pixel = [np.where(c > 1e-6, (w / np.maximum(c, 1e-6) / self.target.square_m + 1) * SQUARE_PX - 0.5, -1e4)
-                 for w in (a, b)]
-        fine = cv2.remap(self._texture, pixel[0].astype(np.float32), pixel[1].astype(np.float32), cv2.INTER_LINEAR,
-                         borderMode=cv2.BORDER_CONSTANT, borderValue=120)
+        scale = np.float32(SQUARE_PX / self.target.square_m) / np.where(c > 1e-6, c, np.float32(np.inf))
+        x, y = (np.where(c > 1e-6, w * scale + np.float32(SQUARE_PX - 0.5), np.float32(-1e4)) for w in (a, b))
+        fine = cv2.remap(self._texture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=120)
         plain = cv2.resize(np.asarray(fine), self.lens.size, interpolation=cv2.INTER_AREA)
         seen = 30 + 0.75 * cv2.GaussianBlur(plain, (0, 0), 0.6) + self._rng.normal(0, 2, plain.shape)
         return np.asarray(np.clip(np.rint(seen), 0, 255), np.uint8)
