@@ -166,7 +166,8 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
         except BrokenPipeError:
             raise
         except (FileExistsError, NotADirectoryError) as error:
-            _fail(f"{error.filename} is a file: choose another folder with --out")
+            kind = "a link that leads nowhere" if os.path.islink(error.filename) else "a file"
+            _fail(f"{error.filename} is {kind}: choose another folder with --out")
         except OSError as error:
             name = error.filename if error.filename is not None else _written_by(error) or values.get(OUTPUT, "file")
             _fail(f"{os.fsdecode(name) if isinstance(name, bytes) else name}: {_reason(error)}; mend that, or choose "

@@ -27,7 +27,7 @@ from signum.applications.calibrate.target import DICTIONARIES, Sighting, SquareB
 from signum.applications.calibrate.views import BoardView, choose, frames_looked_at, look
 from signum.commands.app import command
 from signum.commands.options import GIVEN, SOURCE, OutOption
-from signum.commands.outputs import Outputs, identity
+from signum.commands.outputs import PAGE, Outputs, identity
 from signum.common.arrays import Image
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
@@ -127,6 +127,7 @@ def calibrate(
             write_picture(path, target.draw(SQUARE_PX), 9)
             out.print(f"{path}: {target}; print it without scaling to fit, fix it to a flat plate, measure a square")
             return
+        page = outputs.file(PAGE)
         found, target = _look(target, sources)
         label = " and ".join(one.label for one in sources)
         refused = _calibrate(outputs, label, target, found, model, most)
@@ -137,7 +138,7 @@ def calibrate(
         write_report(output, About("calibrate", VERSION, label, GIVEN.get(), moment, len(found.views),
                                    time.monotonic() - began, "", 0, False, refused,
                                    f"calibration.yaml, which --calibration takes: {model}, of a {target}"))
-    out.print(f"{output / 'calibration.yaml'}: {model}, of a {target}; {output / 'report.html'}")
+    out.print(f"{output / 'calibration.yaml'}: {model}, of a {target}; {page}")
 
 
 def _look(target: SquareBoard, sources: list[Source]) -> tuple[_Found, SquareBoard]:

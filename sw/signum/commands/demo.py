@@ -8,12 +8,12 @@ from pathlib import Path
 
 from signum.commands.app import command
 from signum.commands.options import BoardName, BoardOptions, OutOption
-from signum.commands.outputs import Outputs
+from signum.commands.outputs import PAGE, Outputs
 from signum.commands.session import board_of
 from signum.common.console import out, progress
 
-MADE = "track.csv", "edges.csv", "poses.csv", "mosaic.png", "overview.png", "run.json", "frames/journal.txt"
-"""Files of the demonstration beside the report."""
+MADE = PAGE, "track.csv", "edges.csv", "poses.csv", "mosaic.png", "overview.png", "run.json", "frames/journal.txt"
+"""Files of the demonstration, the report first."""
 BOARD_DEFAULTS = BoardOptions(BoardName.verilated, window=48)
 
 

@@ -12,7 +12,7 @@ import typer
 from signum.commands.app import command
 from signum.commands.options import BoardOptions, CalibrationOption, OutOption, SourceArgument
 from signum.commands.session import Session
-from signum.common.files import write_picture
+from signum.common.files import name_part, write_picture
 from signum.frames.frame import Frame
 from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
@@ -45,6 +45,7 @@ def flow(
     shares: list[float] = []
     with Session("flow", board, output, source, calibration) as run:
         fit, measurer = run.fit, run.measurer(run.fit.board)
+        run.page()
         table, movie = run.table("flow.csv", FLOW), Movie(run.file("flow.mp4"))
         run.at_end(movie.close)
         run.measured = lambda: sum(s > 0 for s in shares)
@@ -63,7 +64,7 @@ def flow(
                 shown = draw_flow(fit.show(last[0].picture), field)
                 movie.write(shown)
                 if run.done % pictures == 1 % pictures:
-                    write_picture(run.file(f"flow_{last[0].name}.png"), shown)
+                    write_picture(run.file(f"flow_{name_part(last[0].name)}.png"), shown)
                 shares.append(float(field.valid.mean()))
                 run.report = run.report_folder
             last = frame, live

@@ -35,6 +35,7 @@ from signum.commands.options import (
     SeedOption,
     SigmaOption,
 )
+from signum.commands.outputs import PAGE
 from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.console import out
@@ -201,6 +202,7 @@ def _pairs(run: Session, other: Source | None, rectifier: Rectifier | None
 
 def _claimed(run: Session, film: bool) -> Path:
     """The folder, with the files of the record claimed."""
+    run.page()
     for name in ("follow.csv", *(["follow.mp4"] if film else [])):
         run.file(name)
     return run.folder
@@ -220,5 +222,5 @@ def _word(target: Target) -> str:
 
 
 def _page(run: Session, section: Section) -> None:
-    page = run.folder / "report.html"
+    page = run.folder / PAGE
     write_page(page, "Signum: Object following", [section], head(page, run.about()))

@@ -28,6 +28,7 @@ from signum.commands.options import (
     SecondsOption,
     SeedOption,
 )
+from signum.commands.outputs import PAGE
 from signum.commands.session import Session
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
@@ -120,7 +121,7 @@ def hold(
                                     or recorded.rate):
         raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
     with Session("hold", board, output, recorded.source, recorded.calibration, recorded.rate) as run:
-        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink else None, paced=not run.live)
+        autopilot = Autopilot(run.open(MavlinkSink(mavlink)) if mavlink is not None else None, paced=not run.live)
         if recorded.source is not None:
             _measure(run, recorded, seconds, range_m, autopilot)
         else:
@@ -167,7 +168,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
                  f"and contrast as in the paper's figure 8; seed {scenario.seed}.")
         figures = judge_hold_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
         bars = hold_bars(figures)
-        page = run.folder / "report.html"
+        page = run.folder / PAGE
         write_page(page, TITLE, [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)],
                    head(page, run.about()))
         for bar in bars:
@@ -207,7 +208,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
              f"range {range_m:g} m at the start.")
 
     def report() -> None:
-        page = run.folder / "report.html"
+        page = run.folder / PAGE
         write_page(page, TITLE, [hold_section("Station keeping, open loop", about, record.series, record.shots)],
                    head(page, run.about()))
 
@@ -223,6 +224,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
 
 def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> HoldRecord:
     """The record of a run, closed with it, and the line on its outcome."""
+    run.page()
     record = HoldRecord(run.file("hold.csv").parent, truth, often)
     run.at_end(record.close)
     run.measured = lambda: record.valid - 1

@@ -15,7 +15,7 @@ import typer
 from signum.applications.mosaic.accuracy import accuracy_rows, pose_errors
 from signum.applications.mosaic.journal import SurveyRun
 from signum.applications.mosaic.settings import CURVED, SurveySettings
-from signum.applications.mosaic.shelf import find_survey, has_journal, read_record
+from signum.applications.mosaic.shelf import find_survey, has_journal, read_record, survey_files
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.track import TimedTrack, Track
 from signum.applications.mosaic.track_reader import read_track
@@ -23,7 +23,7 @@ from signum.applications.mosaic.ways import WAYS
 from signum.commands.app import command
 from signum.commands.ground import GroundOptions
 from signum.commands.options import SOURCE, BoardOptions, CalibrationOption, OutOption
-from signum.commands.outputs import move_aside
+from signum.commands.outputs import PAGE, move_aside, page_trouble
 from signum.commands.session import Session, kind_of
 from signum.commands.signals import shielded
 from signum.common.console import notes, out, progress
@@ -34,8 +34,6 @@ from signum.measure.register import Registrar
 from signum.tables.schemas import ACCURACY
 from signum.tables.table import Table
 
-MADE = "run.json", "frames/journal.txt", "frames/starts.txt", "edges.csv", "poses.csv", "mosaic.png"
-"""Files that a folder with a survey holds; `starts.txt` is of earlier versions."""
 LIVE_EVERY = 2.0
 """Seconds between two pictures of the growing mosaic."""
 BOARD_DEFAULTS = BoardOptions(sigma=2.5)
@@ -180,7 +178,8 @@ def _resumes(asked: bool | None, run: Session, here: SurveyRun, given: list[Path
     run.lock()
     folder = run.folder
     before = find_survey(folder)
-    held = [name for name in MADE if (folder / name).exists()]
+    trouble = page_trouble(folder)
+    held = survey_files(folder) + ([PAGE] if trouble else [])
     if asked is False:
         if held:
             _move_aside(run, given)
@@ -190,6 +189,13 @@ def _resumes(asked: bool | None, run: Session, here: SurveyRun, given: list[Path
             raise SignumError(f"{folder}: holds {held[0]}, but no survey that can be continued; --anew moves it aside, "
                               "or choose another --out")
         return bool(asked)  # which the survey refuses
+    if trouble:
+        raise SignumError(trouble)
+    own = {(folder / name).resolve() for name in held}
+    replaced = next((path for path in given if path.resolve() in own), None)
+    if replaced is not None:
+        raise SignumError(f"{replaced}: is of the survey in {folder}, which would replace it while reading it: choose "
+                          "another --out, or copy it elsewhere")
     difference = before.differs(here)
     if difference:
         raise SignumError(f"{folder}: holds a survey made with {difference}; continue it with the same, or --anew "
@@ -215,10 +221,15 @@ def _move_aside(run: Session, given: list[Path]) -> None:
     Raises:
         SignumError: if it contains what the survey reads.
     """
-    inside = [path for path in (*given, Path(run.name)) if path.resolve().is_relative_to(run.folder.resolve())]
+    real = run.folder.resolve()
+    if Path.cwd().is_relative_to(real):
+        raise SignumError(f"{run.folder}: cannot be moved aside from inside it: call from elsewhere, or choose another "
+                          "--out")
+    inside = [path for path in (*given, Path(run.name)) if path.resolve().is_relative_to(real)]
     if inside:
         raise SignumError(f"{run.folder}: contains {inside[0]}, so it cannot be moved aside; choose another --out")
     notes.print(f"{run.folder}: what it holds is now in {move_aside(run.folder)}")
+    real.mkdir()  # --out may be a link to it
     run.lock()
 
 

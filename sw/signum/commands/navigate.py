@@ -14,6 +14,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from signum.applications.mosaic.shelf import find_survey, survey_files
 from signum.applications.navigate.aim import Aim, TargetFinder
 from signum.applications.navigate.chart import Chart
 from signum.applications.navigate.draw import draw_path
@@ -106,6 +107,7 @@ class _Log:
     def __init__(self, run: Session, chart: Chart, target: tuple[float, float] | None) -> None:
         self.chart, self.target = chart, target
         self._run = run
+        run.page()
         self._table = run.table("navigate.csv", NAVIGATE)
         self._goto = run.table("goto.csv", GOTO) if target else None
         self._path = run.file("path.png")
@@ -163,8 +165,11 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
     from signum.applications.navigate.simulate.truth import SURVEY_SIGMA, SURVEY_WINDOW
     from signum.applications.navigate.simulate.vehicle import Dive, VehicleSite
 
-    if (mosaic / "mosaic.png").exists() and not (mosaic / SIMULATED).exists():
-        raise SignumError(f"{mosaic}: holds a mosaic that was not simulated; give another folder for the simulated one")
+    survey = find_survey(mosaic)
+    held = survey_files(mosaic) if mosaic.is_dir() else []
+    if held and (not (mosaic / SIMULATED).exists() or (survey is not None and survey.source)):
+        raise SignumError(f"{mosaic}: holds {held[0]} of a survey that was not simulated; give another folder for the "
+                          "simulated one")
     site = PanTiltSite(PanTiltScene(seed=seed)) if carrier is Carrier.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
     if mosaic.resolve() != run.folder.resolve():

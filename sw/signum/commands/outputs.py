@@ -23,6 +23,12 @@ from signum.sources.open import split_topic
 
 SOURCES = "source", "left", "right"
 """Parameters that name frames."""
+PAGE = "report.html"
+"""The page that most commands write; those that share a folder replace each other's."""
+WITHOUT_PAGE = {f"run-{command}.jsonl" for command in ("filter", "simulate")}
+"""Records of the commands that write none."""
+SURVEY = "run.json", "frames/journal.txt"
+"""Files that tell that a folder holds a survey, which has a page too."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +60,14 @@ class Outputs:
         try:
             self._record = folder / f"run-{command}.jsonl"
             before = _read(self._record)
+            self._page_trouble = page_trouble(folder)
             kept = [name for name in before.made if (folder / name).exists()] if before else []
             if before and before.live and kept:
                 raise SignumError(f"{folder}: holds {kept[0]} of {before.source}, which cannot be seen again: choose "
                                   "another --out, or move it away")
-            self._mine = set() if replace else set(kept)
+            self._mine = set(kept) & {PAGE} if replace else set(kept)
             if replace:
-                for name in kept:
+                for name in set(kept) - {PAGE}:  # which tells of other commands' runs too
                     (folder / name).unlink()
             head = json.dumps({"source": source, "live": live})
             write_text(self._record, "".join(f"{line}\n" for line in (head, *map(json.dumps, sorted(self._mine)))))
@@ -76,8 +83,10 @@ class Outputs:
             SignumError: if there is a file of this name that the command has not made.
         """
         path = self.folder / name
+        if name == PAGE and self._page_trouble:
+            raise SignumError(self._page_trouble)
         if name not in self._mine:
-            if path.exists():
+            if name != PAGE and path.exists():
                 raise SignumError(f"{path}: is there already, and signum {self.command} has not made it: choose "
                                   "another --out, or move it away")
             assert self._log is not None
@@ -91,6 +100,22 @@ class Outputs:
         if self._log is not None:
             self._log.close()
         os.close(self._lock)
+
+
+def page_trouble(folder: Path) -> str:
+    """Why `report.html` of a folder may not be replaced: no command whose record is there has made it, or one did from
+    a live source; empty if it may."""
+    records = [record for path in sorted(folder.glob("run-*.jsonl")) if path.name not in WITHOUT_PAGE
+               and (record := _read(path)) is not None and record.made]
+    live = next((record for record in records if record.live and PAGE in record.made), None)
+    if not (folder / PAGE).exists():
+        return ""
+    if live is not None:
+        return (f"{folder / PAGE}: is of {live.source}, which cannot be seen again: choose another --out, or move it "
+                "away")
+    if records or any((folder / name).exists() for name in SURVEY):
+        return ""
+    return f"{folder / PAGE}: is there already, and signum has not made it: choose another --out, or move it away"
 
 
 def lock(folder: Path) -> int:
@@ -165,9 +190,9 @@ def check_inputs(folder: Path, command: str, values: Mapping[str, object]) -> No
             if real in made:
                 raise SignumError(f"{value}: signum {command} has made it, and would replace it while reading it: "
                                   "choose another --out")
-            if name in SOURCES and real == out:
-                raise SignumError(f"--out {folder}: is the folder of the frames, where pictures that are written would "
-                                  "count as frames: choose another --out")
+            if name in SOURCES and real in ((out, out / "frames") if command == "mosaic" else (out,)):
+                raise SignumError(f"--out {folder}: {real} is the folder of the frames, where pictures that are "
+                                  "written would count as frames: choose another --out")
 
 
 def _read(path: Path) -> _Record | None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 from signum.boards import open_board
 from signum.boards.board import Board
 from signum.commands.options import GIVEN, BoardName, BoardOptions
-from signum.commands.outputs import Outputs, identity, lock
+from signum.commands.outputs import PAGE, Outputs, identity, lock
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
 from signum.common.version import VERSION
@@ -126,6 +126,10 @@ class Session:
     def file(self, name: str) -> Path:
         """The path of a file in the folder that the command is going to write; see `Outputs.file`."""
         return self.outputs.file(name)
+
+    def page(self) -> Path:
+        """The path of the report, which the command is going to write; call it before anything else is written."""
+        return self.file(PAGE)
 
     def lock(self) -> None:
         """Lock the folder until the session's end, without a record of the files in it; made if missing."""

@@ -19,7 +19,7 @@ from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.console import notes
 from signum.common.errors import SourceError
-from signum.common.files import replacing, write_picture
+from signum.common.files import name_part, replacing, write_picture
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry
@@ -88,6 +88,7 @@ def stereo(
     with session as run:
         rectify = None if rectified else rig
         pairs = _pairs(run, other)
+        run.page()
         table = run.table("disparity.csv", DISPARITY)
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
@@ -96,7 +97,8 @@ def stereo(
             shown, found = _measure(run, seen, rectify, search)
             if not shares and found.valid.mean() < FEW:
                 _tell_exchanged(run, seen, rectify, search, float(found.valid.mean()))
-            _write(run, "" if run.source.count == 1 else f"_{frame.name}", run.fit, found, geometry, shown)
+            ending = "" if run.source.count == 1 else f"_{name_part(frame.name)}"
+            _write(run, ending, run.fit, found, geometry, shown)
             for line in disparity_rows(frame, found.to_source(run.fit), geometry):
                 table.write(line)
             run.refused.update(found.refused)

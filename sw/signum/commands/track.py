@@ -42,6 +42,7 @@ def track(
         fit = run.fit
         settings = TrackSettings(window=board.window, features=features, precise_px=PRECISE_PX / max(fit.factor))
         tracker = Tracker(run.measurer(fit.board), settings)
+        run.page()
         table, drift = run.table("track.csv", TRACK), run.table("drift.csv", DRIFT)
         picture = run.file("track.png")
 

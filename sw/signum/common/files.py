@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,22 @@ from numpy.typing import NDArray
 
 from signum.common.arrays import Image
 
+UNFINISHED = ".part-"
+"""How the name of a file begins that is being written."""
+
+LONGEST_NAME = 200
+"""Bytes of a frame's name that stand in a file's name, which most file systems limit to 255."""
+
+
+def name_part(frame: str) -> str:
+    """A frame's name as a part of a file's name: as it is, or, where it is long or has characters that cannot be
+    printed, its begin without these and a checksum of all of it."""
+    data = frame.encode("utf-8", "backslashreplace")
+    if frame.isprintable() and len(data) <= LONGEST_NAME:
+        return frame
+    begin = data[:LONGEST_NAME - 9].decode("utf-8", "ignore")
+    return f"{''.join(c for c in begin if c.isprintable())}-{zlib.crc32(data):08x}"
+
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
@@ -27,7 +44,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Its name ends as `path` does, for writers that choose the format by it.
     """
-    half = path.with_name(f".part-{path.name}")
+    half = path.with_name(f"{UNFINISHED}{path.name}")
     try:
         yield half
         with half.open("rb+") as file:

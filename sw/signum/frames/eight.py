@@ -19,6 +19,8 @@ from signum.common.errors import SourceError
 
 SENSOR_BITS = 8, 10, 12, 14, 16, 24, 32
 """Bits of cameras and sonars: integers are mapped from the fewest of these that hold the first picture's largest."""
+FAINTEST, BRIGHTEST = 1e-30, 1e30
+"""Values of floating point that are told apart: fainter ones become 0, brighter ones this."""
 CUT_SHARE = 0.01
 """Share of a picture's pixels beyond the mapping above which the user is told, once."""
 
@@ -28,7 +30,7 @@ class EightBits:
 
     Integers: 0 to 2^bits - 1 becomes 0 to 255, where `bits` is the least of SENSOR_BITS that holds the first picture's
     largest value. Floating point: 0 to the least of 1, 2 and 5 times a power of ten that holds it becomes 0 to 255;
-    NaN becomes 0. Values beyond are cut off.
+    NaN becomes 0, as do infinite values. Values beyond are cut off.
 
     Args:
         label: of the source, for the note to the user.
@@ -62,7 +64,9 @@ class EightBits:
             raise SourceError(f"{self._label}: {name}: pixels of type {picture.dtype}; expected whole or real numbers")
         values: NDArray[Any] = picture
         if picture.dtype.kind == "f":
-            values = np.nan_to_num(np.asarray(picture, np.float32), nan=0.0, posinf=0.0, neginf=0.0)
+            kind = np.float64 if picture.dtype.itemsize > 4 else np.float32
+            values = np.nan_to_num(np.asarray(picture, kind), nan=0.0, posinf=0.0, neginf=0.0)
+            values = np.where(np.abs(values) < FAINTEST, 0, np.minimum(values, kind(BRIGHTEST)))
         if self._top is None:
             self._top = self._choose(values)
         over = float(np.mean(values > self._top))
@@ -71,7 +75,7 @@ class EightBits:
             notes.print(f"{self._label}: {name}: {over:.0%} of the pixels exceed {self._top:g}, which the first "
                         "picture set as white; they are cut off there")
         if values.dtype.kind == "f":
-            return np.asarray(np.clip(np.rint(values * np.float32(255 / self._top)), 0, 255), np.uint8)
+            return np.asarray(np.clip(np.rint(values * values.dtype.type(255 / self._top)), 0, 255), np.uint8)
         shift = round(math.log2(self._top + 1)) - 8
         return np.asarray(np.clip(values, 0, int(self._top)).astype(np.int64) >> shift, np.uint8)
 

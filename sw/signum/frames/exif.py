@@ -61,6 +61,8 @@ def _angle(parts: Any) -> float:
 
 
 def _tags(file: Path, which: int) -> dict[int, Any]:
+    if not file.is_file():  # a pipe would never open
+        return {}
     try:
         with PilImage.open(file) as picture:
             return dict(picture.getexif().get_ifd(which))

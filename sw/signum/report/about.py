@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from signum.common.console import notes
+from signum.common.files import own_bytes
 from signum.report.page import table
 
 MARK = '<script type="application/json" id="runs">'
@@ -83,13 +84,13 @@ def head(page: Path, *runs: About) -> str:
 def _read(page: Path) -> list[About]:
     """The runs of a page; none where it does not exist or, which a note says, they cannot be read."""
     try:
-        found = re.search(re.escape(MARK) + "([^<]*)<", page.read_text(encoding="utf-8", errors="replace"))
+        found = re.search(re.escape(MARK) + "([^<]*)<", own_bytes(page).decode("utf-8", "replace"))
         runs = [About(**values) for values in json.loads(found[1])] if found else []
         for run in runs:
             assert all(isinstance(text, str) for row in run.rows for text in row)
     except FileNotFoundError:
         return []
-    except (OSError, ValueError, TypeError, AttributeError, AssertionError) as error:
+    except (OSError, ValueError, TypeError, AttributeError, AssertionError, OverflowError, RecursionError) as error:
         notes.print(f"{page}: what it says of its run cannot be read ({type(error).__name__}) and is left out")
         return []
     return runs

@@ -14,7 +14,7 @@ import numpy as np
 
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.common.files import sync_folder
+from signum.common.files import UNFINISHED, sync_folder
 
 
 class Movie:
@@ -31,7 +31,8 @@ class Movie:
         self.count = 0
         self._writer: cv2.VideoWriter | None = None
         self._size = (0, 0)
-        self._half = path.with_name(f".part-{path.name}")
+        # FFmpeg takes a relative name with a colon for a network address.
+        self._half = path.with_name(f"{UNFINISHED}{path.name}").absolute()
         path.unlink(missing_ok=True)
 
     def write(self, frame: Image) -> None:

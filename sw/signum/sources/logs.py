@@ -75,7 +75,7 @@ def opened(path: Path) -> Iterator[Log]:
         parts = [part for part in sorted(path.iterdir()) if not part.is_dir() and part.name != "metadata.yaml"]
     for part in parts:
         check_file(part, "bag", SourceError)
-        if part.suffix == ".mcap":
+        if part.suffix.lower() == ".mcap":
             verify_mcap(part)
     broken = f"{path}: not a ROS bag or MCAP file that can be read"
     if path.suffix.lower() == ".mcap" and not path.is_dir():

@@ -4,11 +4,20 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from signum.tables.cells import neutral_row
+
+
+def csv_line(row: Sequence[object]) -> str:
+    """A row as a line of a CSV file, which ends with a line feed alone."""
+    line = io.StringIO()
+    # With a line feed as its end, csv would leave a carriage return in a cell without quotes.
+    csv.writer(line).writerow(neutral_row(row))
+    return f"{line.getvalue()[:-2]}\n"
 
 
 class Table:

@@ -323,13 +323,15 @@ def test_cells_that_a_spreadsheet_would_run_are_text_and_read_back_the_same(tmp_
     assert read_track(tmp_path / "n.csv").positions == {"=1+1": 1 - 2j, "+a": -3 + 4j}
 
 
+@pytest.mark.parametrize("ending", ["x.mcap", "x.MCAP"])
 @pytest.mark.parametrize("part", ["chunk", "data", "summary"])
-def test_a_checksum_of_an_mcap_that_does_not_agree_is_said(tmp_path: Path, inputs: Path, part: str) -> None:
+def test_a_checksum_of_an_mcap_that_does_not_agree_is_said(tmp_path: Path, inputs: Path, part: str, ending: str
+                                                           ) -> None:
     raw = bytearray((inputs / "mcap" / "dive.mcap").read_bytes())
     assert len(list(open_source(inputs / "mcap" / "dive.mcap"))) == 4
     at = {"chunk": raw.index(frames()[1].tobytes()) + 50, "data": 20, "summary": len(raw) - 60}[part]
     raw[at] ^= 1
-    path = tmp_path / "x.mcap"
+    path = tmp_path / ending
     path.write_bytes(bytes(raw))
     says = {"chunk": "checksum", "data": "checksum of data", "summary": "checksum of summary"}[part]
     with pytest.raises(SignumError, match=says) as error:

@@ -271,5 +271,7 @@ def test_a_live_survey_is_continued(host: Host, cases: Cases, tmp_path: Path) ->
         assert after["frames/journal.txt"].startswith(before["frames/journal.txt"])
         assert after["poses.csv"].count(b"\n") > before["poses.csv"].count(b"\n")
         assert "mosaic-2.png" not in after, "one component"
+        rows = [line.split(b",") for line in after["poses.csv"].splitlines()]
+        assert rows[0][1] == b"time_s" and all(row[1] for row in rows), "every frame keeps its time"
         before = after
     assert (out / PAGE).exists()

@@ -209,3 +209,110 @@ def test_the_demonstration_leaves_a_survey_alone(source: Path, tmp_path: Path) -
     before = _contents(out)
     assert "signum demo has not made it" in _line(_run("demo", "--board", "golden", "--out", out))
     assert {k: v for k, v in _contents(out).items() if k != "run-demo.jsonl"} == before
+
+
+def test_pictures_in_the_folder_of_stored_frames_stay(source: Path, tmp_path: Path) -> None:
+    """A diver's own `frames` beside the survey: as the source, and as pictures of something else."""
+    dive = tmp_path / "dive"
+    (source / "0.png").rename(source / "000001.png")
+    dive.mkdir()
+    source.rename(dive / "frames")
+    before = _contents(dive)
+    mosaic = "mosaic", "--window", "32", "--out", dive
+    assert "dive/frames is the folder of the frames" in _line(_run(*mosaic, dive / "frames"))
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "0.png").write_bytes((dive / "frames" / "1.png").read_bytes())
+    assert "holds frames/000001.png, but no survey" in _line(_run(*mosaic, other))
+    assert _contents(dive) == before
+
+
+@pytest.mark.parametrize("name", ["mosaic.tif", "accuracy.csv", "poses-2.csv", "report.html", "frames/.part-mine"])
+def test_files_named_as_those_of_a_survey_stay(name: str, source: Path, tmp_path: Path) -> None:
+    mine = tmp_path / "o" / name
+    mine.parent.mkdir(parents=True)
+    mine.write_text("mine")
+    result = _run("mosaic", source, "--window", "32", "--out", tmp_path / "o")
+    assert mine.read_text() == "mine"
+    assert result.exit_code == 0 if name.startswith("frames") else name in _line(result)
+
+
+def test_a_continued_survey_replaces_no_other_file(source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    common = "mosaic", source, "--window", "32", "--out", out
+    assert _run(*common).exit_code == 0
+    (out / "mosaic.tif").write_text("mine")
+    assert "mosaic.tif: is there already, and this survey has not made it" in _line(
+        _run(*common, "--range", "2", "--focal", "300"))
+    assert (out / "mosaic.tif").read_text() == "mine"
+    assert "poses.csv: is of the survey in" in _line(_run(*common, "--truth", out / "poses.csv"))
+
+
+@pytest.mark.parametrize("command", ["track", "flow", "hold"])
+def test_a_page_that_signum_has_not_made_stays(command: str, source: Path, tmp_path: Path) -> None:
+    rest: tuple[str | Path, ...] = source, "--window", "32", "--out", tmp_path / "o"
+    call = (command, *(["--source"] if command == "hold" else []), *rest)
+    (tmp_path / "o").mkdir()
+    (tmp_path / "o" / "report.html").write_text("mine")
+    for _ in range(2):
+        assert "report.html: is there already, and signum has not made it" in _line(_run(*call))
+    assert (tmp_path / "o" / "report.html").read_text() == "mine"
+    (tmp_path / "o" / "report.html").unlink()
+    for other in (call, call, ("mosaic", *rest)):
+        result = _run(*other)
+        assert result.exit_code == 0 or "nothing could be measured" in result.stderr, result.output
+        assert (tmp_path / "o" / "report.html").exists(), "pages of commands that share a folder"
+
+
+def test_the_page_of_a_live_source_stays(source: Path, tmp_path: Path) -> None:
+    first = Outputs(tmp_path / "o", "hold", "camera 0", live=True)
+    first.file("report.html").write_text("seen once")
+    first.close()
+    for command, says in (("track", "is of camera 0, which cannot be seen again"), ("mosaic", "holds report.html")):
+        assert says in _line(_run(command, source, "--window", "32", "--out", tmp_path / "o"))
+    assert (tmp_path / "o" / "report.html").read_text() == "seen once"
+
+
+def test_a_survey_behind_a_link_is_moved_aside_and_not_from_inside(source: Path, tmp_path: Path,
+                                                                   monkeypatch: pytest.MonkeyPatch) -> None:
+    out, link = tmp_path / "o", tmp_path / "link"
+    link.symlink_to(out)
+    out.mkdir()
+    assert _run("mosaic", source, "--window", "32", "--out", out).exit_code == 0
+    before = _contents(out)
+    monkeypatch.chdir(out)
+    assert "cannot be moved aside from inside it" in _line(
+        _run("mosaic", source, "--window", "32", "--out", ".", "--anew"))
+    monkeypatch.chdir(tmp_path)
+    assert _contents(out) == before
+    assert _run("mosaic", source, "--window", "32", "--out", link, "--anew").exit_code == 0
+    assert _contents(tmp_path / "o-1") == before == _contents(out)
+
+
+def test_a_simulated_survey_does_not_replace_an_interrupted_one(source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    assert _run("mosaic", source, "--window", "32", "--out", out).exit_code == 0
+    for name in ("mosaic.png", "poses.csv"):  # as after a kill
+        (out / name).unlink()
+    before = _contents(out)
+    simulated = "navigate", out, "--simulate", "pan-tilt", "--out", tmp_path / "n"
+    assert "of a survey that was not simulated" in _line(_run(*simulated))
+    (out / "simulated.txt").write_text("pan-tilt, seed 0")
+    assert "of a survey that was not simulated" in _line(_run(*simulated))
+    (out / "simulated.txt").unlink()
+    assert _contents(out) == before
+
+
+def test_a_link_that_leads_nowhere_is_said(source: Path, tmp_path: Path) -> None:
+    (tmp_path / "o").symlink_to("nothing")
+    assert "o is a link that leads nowhere" in _line(_run("track", source, "--out", tmp_path / "o"))
+
+
+def test_a_command_called_again_leaves_the_page_until_it_writes_it(tmp_path: Path) -> None:
+    """It tells of the runs of other commands too."""
+    for _ in range(2):
+        outputs = Outputs(tmp_path, "track")
+        outputs.file("report.html").write_text("track and flow")
+        outputs.close()
+        Outputs(tmp_path, "track").close()
+        assert (tmp_path / "report.html").exists()

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The table writer, and the columns of every table."""
 
+import csv
+import io
 from pathlib import Path
 
 from signum.tables import schemas
-from signum.tables.table import Table
+from signum.tables.table import Table, csv_line
 
 
 def test_a_table_is_complete_after_every_row(tmp_path: Path) -> None:
@@ -22,3 +24,10 @@ def test_no_table_has_a_column_twice() -> None:
         assert len(set(columns)) == len(columns) >= 3, name
     for measured, truth in ((schemas.HOLD, schemas.HOLD_TRUTH), (schemas.FOLLOW, schemas.FOLLOW_TRUTH)):
         assert not set(measured) & set(truth)
+
+
+def test_a_line_reads_back_the_same() -> None:
+    row = ["a\rb", "c\nd", "e\r\nf", 'g"h', "i,j", ""]
+    line = csv_line(row)
+    assert line.endswith("\n") and not line.endswith("\r\n")
+    assert list(csv.reader(io.StringIO(line + line, newline=""))) == [row, row]

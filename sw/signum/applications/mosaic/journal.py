@@ -58,13 +58,15 @@ class SurveyRun:
         """From the values of a JSON object; others in it are ignored.
 
         Raises:
-            ValueError, KeyError, TypeError: if it is no such object.
+            ValueError, KeyError, TypeError, OverflowError: if it is no such object.
         """
         if not isinstance(values, dict):
             raise TypeError("no object")
         width, height = values["size"]
         run = cls(values["source"], (int(width), int(height)), bool(values["stream"]), int(values["window"]),
                   float(values["sigma"]), values["columns"], values.get("calibration", ""))
+        if not math.isfinite(run.sigma):
+            raise ValueError("no width of a filter")
         if not all(isinstance(text, str) for text in (run.source, run.columns, run.calibration)):
             raise TypeError("no text")
         return run

@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,8 +16,8 @@ from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
 from signum.common.files import own_bytes, write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Registrar, Registration
-from signum.tables.cells import neutral_row
 from signum.tables.schemas import SURVEY_EDGES
+from signum.tables.table import csv_line
 
 
 @dataclass
@@ -93,7 +90,7 @@ class Ledger:
             Whether the rows that were in the file before are among those that are written.
         """
         path = self.out / EDGES_FILE
-        rows = [_line(SURVEY_EDGES), *(_line(edge.row) for edge in self.edges)]
+        rows = [csv_line(SURVEY_EDGES), *(csv_line(edge.row) for edge in self.edges)]
         try:
             before = own_bytes(path)
         except OSError:
@@ -155,7 +152,7 @@ class Ledger:
             self.partners.setdefault(edge.frame_b, set()).add(edge.frame_a)
         if self._table is not None:
             try:
-                self._table.write(_line(edge.row))
+                self._table.write(csv_line(edge.row))
                 self._table.flush()
             except OSError as error:
                 raise OSError(error.errno, error.strerror, str(self.out / EDGES_FILE)) from error
@@ -183,9 +180,3 @@ class Ledger:
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]
 
-
-def _line(row: Sequence[object]) -> str:
-    """A row as a line of a CSV file."""
-    line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(neutral_row(row))
-    return line.getvalue()

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Callable
 
@@ -20,8 +18,8 @@ from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
 from signum.geometry.similarity import IDENTITY
-from signum.tables.cells import neutral_row
 from signum.tables.schemas import POSES
+from signum.tables.table import csv_line
 
 THUMB = 240
 """Longer side of the copies the growing mosaic is made of, pixels."""
@@ -64,11 +62,8 @@ class Results:
         """Write the poses of all pieces."""
         pieces = self._ledger.ranked()
         for number, piece in enumerate(pieces, 1):
-            text = io.StringIO()
-            rows = csv.writer(text, lineterminator="\n")
-            rows.writerow(POSES)
-            rows.writerows(neutral_row(pose.row) for pose in self._ledger.poses(piece))
-            write_text(self._ledger.shelf.make(f"poses{suffix(number)}.csv"), text.getvalue())
+            rows = POSES, *(pose.row for pose in self._ledger.poses(piece))
+            write_text(self._ledger.shelf.make(f"poses{suffix(number)}.csv"), "".join(map(csv_line, rows)))
         self._drop(r"poses-(\d+)\.csv", set(range(1, len(pieces) + 1)))
 
     def write_growing(self) -> None:

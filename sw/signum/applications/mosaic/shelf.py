@@ -12,6 +12,7 @@ A frame's name is in the journal only: file names are numbers.
 from __future__ import annotations
 
 import json
+import re
 import zlib
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
@@ -21,7 +22,7 @@ from pathlib import Path
 from signum.applications.mosaic.journal import Journal, SurveyRun, key_of
 from signum.common.arrays import Image
 from signum.common.errors import SignumError
-from signum.common.files import decode_png, own_bytes, png, write_bytes, write_text
+from signum.common.files import UNFINISHED, decode_png, own_bytes, png, write_bytes, write_text
 from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Prepared, Registrar, Registration
@@ -30,6 +31,10 @@ KEPT = 48
 """Prepared frames held in memory."""
 RECORD, EDGES_FILE, JOURNAL = "run.json", "edges.csv", "frames/journal.txt"
 """Files of every survey."""
+ALWAYS = "poses.csv", "mosaic.png"
+"""Files that are made of every survey."""
+FILES = re.compile(r"run\.json|edges\.csv|accuracy\.csv|poses(-\d+)?\.csv|mosaic(-\d+)?\.(png|pgw|tif)")
+"""Names of the files that a survey writes, apart from those in `frames`."""
 
 
 class ResumeError(SignumError):
@@ -55,6 +60,7 @@ class Shelf:
         self.mended: list[str] = []
         self._run: SurveyRun | None = None
         self._finished, self._described = False, ""
+        self._recorded = False
         self._numbers: dict[str, int] = {}
         self._next = 0
         self._whole: set[int] = set()
@@ -70,11 +76,12 @@ class Shelf:
             (self.folder / name).unlink(missing_ok=True)
         self.journal.path.unlink(missing_ok=True)
         self.made, self._numbers, self._next, self.journal = set(), {}, 0, Journal(self.journal.path)
+        self._recorded = False
 
     def read(self) -> None:
         """Take in the journal, the record and the names of the frames."""
         found = read_record(self.folder)
-        self.made = set(found[2]) if found else set()
+        self.made, self._recorded = set(found[2]) if found else set(), found is not None
         self.journal.read()
         for number, (name, _) in self.journal.frames.items():
             self.call(number, name)
@@ -82,7 +89,7 @@ class Shelf:
     def begin(self, run: SurveyRun, finished: bool) -> None:
         """Open the journal, and write the record where it is another."""
         self.frames.mkdir(parents=True, exist_ok=True)
-        for half in self.frames.glob(".part-*"):  # of a write that a crash ended
+        for half in self.frames.glob(f"{UNFINISHED}[0-9]*.png"):  # of a write that a crash ended
             half.unlink()
         self._run = run
         self.describe(finished)
@@ -205,8 +212,15 @@ class Shelf:
         return self.frames / f"{number:06d}.png"
 
     def make(self, name: str) -> Path:
-        """The path of a file made of the survey, which is noted in the record before it is written."""
+        """The path of a file made of the survey, which is noted in the record before it is written.
+
+        Raises:
+            ResumeError: if there is a file of this name that the record of a continued survey does not name.
+        """
         if name not in self.made:
+            if self._recorded and name not in ALWAYS and (self.folder / name).exists():
+                raise ResumeError(f"{self.folder / name}: is there already, and this survey has not made it: move it "
+                                  "away and call again")
             self.made.add(name)
             self.describe(self._finished)
         return self.folder / name
@@ -235,10 +249,19 @@ def read_record(folder: Path) -> tuple[SurveyRun, bool, list[str]] | None:
     try:
         values = json.loads(own_bytes(folder / RECORD).decode())
         run = SurveyRun.read(values)
-        made = [name for name in values["made"] if isinstance(name, str) and name == Path(name).name]
+        made = [name for name in values["made"] if isinstance(name, str) and FILES.fullmatch(name)]
         return run, bool(values["finished"]), made
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError):
         return None
+
+
+def survey_files(folder: Path) -> list[str]:
+    """Names, relative to the folder, of what a survey there would replace: the files of one, and all that is in
+    `frames`."""
+    frames = folder / Path(JOURNAL).parent
+    stored = frames.iterdir() if frames.is_dir() else ()
+    return sorted([file.name for file in folder.iterdir() if FILES.fullmatch(file.name)]
+                  + [f"{frames.name}/{file.name}" for file in stored if not file.name.startswith(UNFINISHED)])
 
 
 def find_survey(folder: Path) -> SurveyRun | None:

@@ -94,11 +94,11 @@ class Chart:
                 x, y = (float(part) for part in text.split(","))
             except ValueError as error:
                 known = f"one of {', '.join(self.places)}" if self.places else "from places.csv beside the mosaic"
-                raise ChartError(f"{text!r}: give X,Y in pixels of mosaic.png, or a name ({known})") from error
+                raise ChartError(f"--goto {text!r}: give X,Y in pixels of mosaic.png, or a name ({known})") from error
             for value in (x, y):
-                within(value, f"{text!r}", -FARTHEST, FARTHEST, ChartError)
+                within(value, f"--goto {text!r}", -FARTHEST, FARTHEST, ChartError)
         if not self.covers(x, y):
-            raise ChartError(f"{text}: not on the mosaic, which is {self.size[0]}x{self.size[1]} pixels black "
+            raise ChartError(f"{text}: not on the mosaic, which is {self.size[0]}x{self.size[1]} pixels, black "
                              "where not covered; choose a place that is covered")
         return x, y
 

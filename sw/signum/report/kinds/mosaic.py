@@ -14,6 +14,8 @@ from signum.report.read_table import Columns, read_table
 from signum.tables.schemas import EDGES, POSES
 
 COLOURS = {"sequence": "tab:blue", "loop": "tab:green", "join": "tab:orange", "live": "tab:cyan"}
+SMALLEST = 1e-6
+"""Smallest scale of a frame that a mosaic can have, and one over the largest; a damaged table may have others."""
 
 
 def sections(folder: Path) -> list[Section]:
@@ -60,8 +62,9 @@ def _residuals(edges: Columns, piece: Columns) -> np.ndarray[tuple[int], np.dtyp
     dx, dy, good = edges.numbers("dx_px"), edges.numbers("dy_px"), edges.numbers("accepted") > 0
     out = [abs((at[a] - at[b]) / turn[b] - complex(dx[i], dy[i]))
            for i, (a, b) in enumerate(zip(edges.text["frame_a"], edges.text["frame_b"], strict=True))
-           if good[i] and a in at and b in at]
-    return np.array(out, np.float64)
+           if good[i] and a in at and b in at and SMALLEST <= abs(turn[b]) <= 1 / SMALLEST]
+    residuals = np.array(out, np.float64)
+    return residuals[np.isfinite(residuals)]
 
 
 def _graph(edges: Columns, piece: Columns, kinds: list[str]) -> str:
@@ -81,7 +84,8 @@ def _graph(edges: Columns, piece: Columns, kinds: list[str]) -> str:
     ax.set(xlabel="x, px", ylabel="y, px")
     ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
-    ax.legend(fontsize=8)
+    if labelled:
+        ax.legend(fontsize=8)
     return plot(fig, "frame centres in the mosaic plane and the edges between them")
 
 

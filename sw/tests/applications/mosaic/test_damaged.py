@@ -90,6 +90,12 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "run.json null": (_write("run.json", b"null"), "run.json: cannot be read"),
     "run.json a list": (_write("run.json", b"[1]"), "run.json: cannot be read"),
     "run.json deep": (_write("run.json", b"[" * 100_000), "run.json: cannot be read"),
+    "run.json infinite size": (lambda out: (out / "run.json").write_text((out / "run.json").read_text().replace(
+        "160", "1e999", 1)), "run.json: cannot be read"),
+    "run.json infinite sigma": (lambda out: (out / "run.json").write_text((out / "run.json").read_text().replace(
+        "2.5", "Infinity", 1)), "run.json: cannot be read"),
+    "run.json names its parent": (lambda out: (out / "run.json").write_text((out / "run.json").read_text().replace(
+        '"made": [', '"made": ["..",', 1)), ""),
     "run.json empty": (_write("run.json", b""), "run.json: cannot be read"),
     "run.json names others": (lambda out: (out / "run.json").write_text((out / "run.json").read_text().replace(
         '"poses.csv"', '"../in/0.png"')), ""),
