@@ -14,8 +14,8 @@
   `valid` and `reason` must be looked at.
 - Tasks: `measure_flow`, `measure_range` (stereo), `Tracker`, `Registrar`, `Survey` (mosaics), `StationMeter` (hover)
   and `MavlinkSink`, `Follower` (with `RangeEye` or `MotionEye`), `Localiser` in a `Chart`.
-- Frames: `open_source` gives a `Source` of `Frame`s; `Fit` scales them for the board; `read_mono` and `read_stereo`
-  read calibrations. `SignumError` and those derived from it have one line that names the remedy.
+- Frames: `open_source` gives a `Source` of `Frame`s; `Fit` scales them for the board; `open_lens` and `open_rig`
+  open calibrations. `SignumError` and those derived from it have one line that names the remedy.
 
 Names are loaded on first use, so that `import signum` is quick and rooms below may import `signum.common`. What lies in
 the modules beneath, and is not named here, may change without notice.
@@ -32,12 +32,12 @@ __version__ = VERSION
 
 __all__ = [
     "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "Fit", "FlowField", "Follower", "Frame",
-    "Identification", "Job", "Level", "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer",
+    "Identification", "Job", "Lens", "Level", "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer",
     "MotionEye", "Peak", "Place", "Query", "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar",
-    "Registration", "RegistrationLimits", "Result", "Rules", "SignumError", "Similarity", "Source", "SourceError",
-    "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings",
-    "Tracker", "View", "grid", "locate_peaks", "measure_flow", "measure_range", "open_board", "open_source",
-    "read_mono", "read_picture", "read_stereo", "run_jobs",
+    "Registration", "RegistrationLimits", "Result", "Rig", "Rules", "SignumError", "Similarity", "Source",
+    "SourceError", "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint",
+    "TrackSettings", "Tracker", "View", "grid", "locate_peaks", "measure_flow", "measure_range", "open_board",
+    "open_lens", "open_rig", "open_source", "read_mono", "read_picture", "read_stereo", "run_jobs",
 ]
 
 _MODULES = {
@@ -58,7 +58,9 @@ _MODULES = {
     "signum.common.errors": ("SignumError", "SourceError"),
     "signum.frames.fit": ("Fit",),
     "signum.frames.frame": ("Frame", "Source", "read_picture"),
-    "signum.geometry.calibration": ("Rectifier", "StereoGeometry", "read_mono", "read_stereo"),
+    "signum.geometry.calibration": ("read_mono", "read_stereo"),
+    "signum.geometry.lens": ("Lens",),
+    "signum.geometry.rig": ("Rectifier", "Rig", "StereoGeometry"),
     "signum.geometry.similarity": ("Similarity",),
     "signum.measure.flow": ("FlowField", "measure_flow"),
     "signum.measure.measurer": ("Measurement", "Measurer", "Query", "View"),
@@ -67,7 +69,7 @@ _MODULES = {
     "signum.measure.stereo": ("RangeMap", "measure_range"),
     "signum.measure.track": ("TrackPoint", "TrackSettings", "Tracker"),
     "signum.measure.validity": ("Reason", "Rules"),
-    "signum.sources.open": ("open_source",),
+    "signum.sources.open": ("open_lens", "open_rig", "open_source"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -89,7 +91,9 @@ if TYPE_CHECKING:
     from signum.common.errors import SignumError, SourceError
     from signum.frames.fit import Fit
     from signum.frames.frame import Frame, Source, read_picture
-    from signum.geometry.calibration import Rectifier, StereoGeometry, read_mono, read_stereo
+    from signum.geometry.calibration import read_mono, read_stereo
+    from signum.geometry.lens import Lens
+    from signum.geometry.rig import Rectifier, Rig, StereoGeometry
     from signum.geometry.similarity import Similarity
     from signum.measure.flow import FlowField, measure_flow
     from signum.measure.measurer import Measurement, Measurer, Query, View
@@ -98,7 +102,7 @@ if TYPE_CHECKING:
     from signum.measure.stereo import RangeMap, measure_range
     from signum.measure.track import Tracker, TrackPoint, TrackSettings
     from signum.measure.validity import Reason, Rules
-    from signum.sources.open import open_source
+    from signum.sources.open import open_lens, open_rig, open_source
 else:
     def __getattr__(name: str) -> object:
         if name not in _HOME:

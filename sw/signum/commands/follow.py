@@ -30,6 +30,7 @@ from signum.commands.options import (
     BoardOption,
     BoardOptions,
     OutOption,
+    PairOption,
     SecondsOption,
     SeedOption,
     SigmaOption,
@@ -41,10 +42,10 @@ from signum.common.console import out
 from signum.common.errors import SignumError
 from signum.frames.clock import FRAME_RATE
 from signum.frames.frame import Frame, Source
-from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
+from signum.geometry.calibration import Rectifier, StereoGeometry
 from signum.report.about import head
 from signum.report.page import Section, write_page
-from signum.sources.open import open_source
+from signum.sources.open import open_rig, open_source
 from signum.world.camera import Pinhole
 
 LEAST = 64
@@ -62,9 +63,7 @@ class FollowSource:
     right: Annotated[str | None, typer.Option(
         "--right", rich_help_panel=SOURCE, show_default=False, help="The right camera's frames, for range; needs "
         "--calibration.")] = None
-    calibration: Annotated[Path | None, typer.Option(
-        "--calibration", rich_help_panel=SOURCE, show_default=False, help="OpenCV YAML of the stereo pair (K1 D1 K2 D2 "
-        "R T).")] = None
+    calibration: PairOption = None
     nearer: Annotated[float, typer.Option("--nearer", rich_help_panel=SOURCE, min=0.2,
                                           help="Objects nearer than this are taken for fish, metres.")] = 4.0
     rate: Annotated[float | None, typer.Option(
@@ -151,7 +150,9 @@ def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bo
     """Open loop, on frames from elsewhere."""
     other = None if recorded.right is None else open_source(recorded.right)
     fit, measurer, rate = run.fit, run.measurer(run.fit.board), recorded.rate or run.source.rate or FRAME_RATE
-    rectifier = read_stereo(recorded.calibration) if recorded.calibration is not None else None
+    rectifier = None
+    if recorded.calibration is not None:
+        rectifier = open_rig(recorded.calibration).rectifier(run.first.size)
     eye: Eye = MotionEye(measurer, window=window or MOTION_WINDOW)
     if rectifier is not None:
         g, k = rectifier.geometry, fit.factor[0]

@@ -16,9 +16,9 @@ from signum.applications.mosaic.track import TimedTrack, Track, read_moment
 from signum.applications.mosaic.track_reader import exif_track, read_navigation
 from signum.common.errors import SignumError
 from signum.frames.frame import Source
-from signum.geometry.calibration import read_mono
 from signum.geometry.earth import system
 from signum.sources.files import FolderSource, PictureSource, UndistortedSource
+from signum.sources.open import open_lens
 
 GROUND = "Scale and place on the ground"
 
@@ -48,12 +48,13 @@ class GroundOptions:
     cog: Annotated[bool, typer.Option(
         "--cog", rich_help_panel=GROUND, help="Write mosaic.tif as a Cloud Optimized GeoTIFF.")] = False
 
-    def known(self, source: Source, calibration: Path | None) -> Ground:
+    def known(self, source: Source, calibration: Path | None, size: Callable[[], tuple[int, int]]) -> Ground:
         """What the options say of the mosaic's place, with the log read.
 
         Args:
             source: of the frames.
             calibration: of the camera.
+            size: width and height of the frames; called only if they matter.
 
         Raises:
             SignumError: if the log cannot be used, or an option belongs to what was not given.
@@ -66,9 +67,12 @@ class GroundOptions:
             raise SignumError("--cog is of mosaic.tif, which needs a place: add --navigation, --exif or --range")
         pixel_m = 0.0
         if self.range_m is not None:
-            if self.focal is None and calibration is None:
-                raise SignumError("--range needs the camera's focal length: add --focal (pixels) or --calibration")
-            pixel_m = self.range_m / (self.focal or (float(read_mono(calibration)[0][0, 0]) if calibration else 1.0))
+            focal = self.focal
+            if focal is None:
+                if calibration is None:
+                    raise SignumError("--range needs the camera's focal length: add --focal (pixels) or --calibration")
+                focal = open_lens(calibration).scaled(size(), str(calibration)).focal
+            pixel_m = self.range_m / focal
         return Ground(self._log(source), pixel_m)
 
     def _log(self, source: Source) -> Track | TimedTrack | None:

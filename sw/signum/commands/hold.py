@@ -183,7 +183,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
     frames, fit = run.source, run.fit
     autopilot.begin(run.first.time_s)
     rate = recorded.rate or frames.rate or FRAME_RATE
-    focal = focal_px(recorded.focal, recorded.calibration, fit.source[0], "metres scale")
+    focal = focal_px(recorded.focal, recorded.calibration, fit.source, "metres scale")
     if range_m is None:
         range_m = autopilot.range_m or GUESS_M
         notes.print(f"no --range: {range_m:.2f} m by the vehicle's range finder" if autopilot.range_m else

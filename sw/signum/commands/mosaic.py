@@ -83,7 +83,7 @@ def mosaic(
     settings = CURVED if columns is TrackKind.turned else SurveySettings(loops=columns is TrackKind.auto)
     session = Session("mosaic", board, output, source, calibration, rate)
     known = None if truth is None else read_track(truth, session.source.label)
-    place = ground.known(session.source, calibration)
+    place = ground.known(session.source, calibration, lambda: session.first.size)
     with session as run:
         if isinstance(place.log, TimedTrack) and run.first.time_s is None:
             raise SignumError(f"{ground.navigation}: is by time, and {run.source.label} has frames without times: give "

@@ -29,11 +29,16 @@ class BoardName(StrEnum):
 SourceArgument = Annotated[str, typer.Argument(
     help="Video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.", show_default=False)]
 CalibrationOption = Annotated[Path | None, typer.Option(
-    "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the camera (camera_matrix, distortion_coefficients, "
-    "image_width, image_height): lens distortion is taken out of every frame.")]
+    "--calibration", rich_help_panel=SOURCE, help="Calibration of the camera, whose lens distortion is taken out of "
+    "every frame: a file of `signum calibrate`, OpenCV, ROS (camera_info) or Kalibr (FILE#cam1 for another camera), or "
+    "CameraInfo in a bag: BAG or BAG#/TOPIC.")]
 FocalOption = Annotated[float | None, typer.Option(
     "--focal", rich_help_panel=SOURCE, min=1.0, show_default="of --calibration, or 1.04 widths",
     help="Focal length in pixels of the source's frames.")]
+PairOption = Annotated[Path | None, typer.Option(
+    "--calibration", rich_help_panel=SOURCE, show_default=False, help="Calibration of the stereo pair: a file of "
+    "`signum calibrate`, OpenCV (K1 D1 K2 D2 R T) or Kalibr, two files of ROS (LEFT.yaml,RIGHT.yaml), or CameraInfo in "
+    "a bag: BAG or BAG#/LEFT,/RIGHT.")]
 OutOption = Annotated[Path, typer.Option("--out", rich_help_panel=OUTPUT,
                                          help="Folder for the files that are written; made if missing.")]
 BoardOption = Annotated[BoardName, typer.Option(

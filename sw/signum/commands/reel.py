@@ -7,10 +7,10 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from signum.common.files import write_picture, write_text
+from signum.geometry.calibration import Lens, Rig, calibration_text
 from signum.report.movie import Movie
 from signum.tables.table import Table
 from signum.world.camera import BASELINE_M, Pinhole
@@ -59,11 +59,5 @@ class Reel:
 def write_calibration(path: Path, camera: Pinhole) -> None:
     """The simulated cameras in OpenCV's YAML: one alone, and the stereo pair."""
     k = np.array([[camera.focal, 0, camera.centre[0]], [0, camera.focal, camera.centre[1]], [0, 0, 1]])
-    storage = cv2.FileStorage(path.name, cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
-    storage.write("image_width", camera.size[0])
-    storage.write("image_height", camera.size[1])
-    for name, value in (("camera_matrix", k), ("distortion_coefficients", np.zeros((1, 5))), ("K1", k),
-                        ("D1", np.zeros((1, 5))), ("K2", k), ("D2", np.zeros((1, 5))), ("R", np.eye(3)),
-                        ("T", np.array([[-BASELINE_M], [0.0], [0.0]]))):
-        storage.write(name, value)
-    write_text(path, storage.releaseAndGetString())
+    lens = Lens(k, np.zeros(5), camera.size)
+    write_text(path, calibration_text(lens, Rig(lens, lens, np.eye(3), np.array([-BASELINE_M, 0.0, 0.0]), str(path))))

@@ -18,23 +18,28 @@ import typer
 from signum.applications.mavlink.distance import DistanceSink
 from signum.commands.app import command
 from signum.commands.autopilot import InStep
-from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, MavlinkOption, OutOption
+from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, MavlinkOption, OutOption, PairOption
 from signum.commands.session import Session
 from signum.common.arrays import Image
+from signum.common.console import notes
 from signum.common.errors import SourceError
 from signum.common.files import name_part, replacing, write_picture
 from signum.frames.clock import FRAME_RATE
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
-from signum.geometry.calibration import Rectifier, StereoGeometry, read_stereo
+from signum.geometry.calibration import Rectifier, StereoGeometry
 from signum.measure.stereo import RangeMap, measure_range
 from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
-from signum.sources.open import open_source
+from signum.sources.open import open_rig, open_source
 from signum.tables.schemas import DISPARITY
 
 BOARD_DEFAULTS = BoardOptions(sigma=1.0, window=16)
 SEARCH = "Search"
+FEW = 0.1
+"""Share of the first pair's windows below which it is asked whether the pictures are exchanged."""
+EXCHANGED = 3.0
+"""They are if so many times as many windows are valid in the other order, and 2 FEW of all."""
 
 
 @dataclass(frozen=True)
@@ -120,10 +125,7 @@ def stereo(
     left: Annotated[str, typer.Argument(help="Left camera's picture, folder, video or bag.", show_default=False)],
     right: Annotated[str, typer.Argument(help="Right camera's picture, folder, video or bag, with as many frames "
                                          "as the left.", show_default=False)],
-    calibration: Annotated[Path | None, typer.Option(
-        "--calibration", rich_help_panel=SOURCE, help="OpenCV YAML of the pair (K1 D1 K2 D2 R T image_width "
-        "image_height, T in metres): rectifies the frames, and gives ranges. Without it the frames must be rectified, "
-        "and only disparities are written.")] = None,
+    calibration: PairOption = None,
     rectified: Annotated[bool, typer.Option("--rectified", rich_help_panel=SOURCE, help="The frames are rectified "
                                             "already: use the calibration for ranges only.")] = False,
     output: OutOption = Path("out/stereo"),
@@ -132,34 +134,35 @@ def stereo(
     told: RangeOptions = TOLD_DEFAULTS,
 ) -> None:
     """Range from a stereo pair: `range.png`, `range.tiff`, `points.ply`, `disparity.csv`, `report.html`; to an
-    autopilot, DISTANCE_SENSOR.
+    autopilot, DISTANCE_SENSOR. Without a calibration the frames must be rectified, and only disparities are written.
 
     Of folders and videos every frame's files carry its name, `range_0001.png`.
 
     Example: `signum stereo left.png right.png --calibration rig.yaml --out out/stereo`
     """
-    rig = read_stereo(calibration) if calibration is not None else None
-    geometry = rig.geometry if rig else None
-    if told.mavlink and geometry is None:
+    if told.mavlink is not None and calibration is None:
         raise SourceError("--mavlink: without a --calibration there is no range to send")
     shares: list[float] = []
     session, other = Session("stereo", board, output, left, rate=told.rate), open_source(right)
+    rig = open_rig(calibration).rectifier(session.first.size) if calibration is not None else None
+    geometry = rig.geometry if rig else None
     with session as run:
         teller = RangeTeller(run, told, search, geometry)
-        pairs = _pairs(run, other, None if rectified else rig)
+        rectify = None if rectified else rig
+        pairs = _pairs(run, other)
         run.page()
         table = run.table("disparity.csv", DISPARITY)
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
                                f"valid{teller.said}")
-        for frame, pair in run.steps("stereo", pairs, run.source.count):
-            measurer, shown = run.measurer(run.fit.board), [run.fit.show(p) for p in pair]
-            found = measure_range(measurer, *measurer.pair(shown[0], shown[1]), search.disparities(run.fit),
-                                  (board.window, board.window), search.step)
+        for frame, seen in run.steps("stereo", pairs, run.source.count):
+            shown, found = _measure(run, seen, rectify, search)
+            if not shares and found.valid.mean() < FEW:
+                _tell_exchanged(run, seen, rectify, search, float(found.valid.mean()))
             whole = found.to_source(run.fit)
             teller.send(frame.time_s, whole)
             ending = "" if run.source.count == 1 else f"_{name_part(frame.name)}"
-            _write(run, ending, run.fit, found, geometry, shown[0])
+            _write(run, ending, run.fit, found, geometry, shown)
             for line in disparity_rows(frame, whole, geometry):
                 table.write(line)
             run.refused.update(found.refused)
@@ -168,8 +171,27 @@ def stereo(
             run.tell(f"{shares[-1]:.0%} valid")
 
 
-def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple[Frame, tuple[Image, Image]]]:
-    """The left frame, and the grey pictures of both cameras, rectified."""
+def _measure(run: Session, pair: tuple[Image, Image], rig: Rectifier | None, search: DisparityOptions
+             ) -> tuple[Image, RangeMap]:
+    """The left picture as the board sees it, rectified by `rig`, and the map of a pair of grey pictures."""
+    measurer, window = run.measurer(run.fit.board), run.chosen.window
+    left, right = (run.fit.show(p) for p in (rig(*pair) if rig else pair))
+    return left, measure_range(measurer, *measurer.pair(left, right), search.disparities(run.fit), (window, window),
+                               search.step)
+
+
+def _tell_exchanged(run: Session, pair: tuple[Image, Image], rig: Rectifier | None, search: DisparityOptions,
+                    share: float) -> None:
+    """Say so if the pictures of the first pair, of which only this share of the windows is valid, suit each other in
+    the other order."""
+    other = float(_measure(run, pair[::-1], rig, search)[1].valid.mean())
+    if other > max(2 * FEW, EXCHANGED * share):
+        notes.print(f"the pictures look exchanged: {share:.0%} of the windows are valid as they are given, {other:.0%} "
+                    "in the other order; give the left camera's first")
+
+
+def _pairs(run: Session, other: Source) -> Iterator[tuple[Frame, tuple[Image, Image]]]:
+    """The left frame, and the grey pictures of both cameras."""
     frames: Iterator[tuple[Frame | None, Frame | None]] = zip_longest(run.frames(), other)
     for a, b in frames:
         if a is None or b is None:
@@ -178,8 +200,7 @@ def _pairs(run: Session, other: Source, rig: Rectifier | None) -> Iterator[tuple
         if a.size != b.size:
             raise SourceError(f"frame {a.name} is {a.size[0]}x{a.size[1]}, its right one {b.size[0]}x{b.size[1]}: "
                               "both cameras must give pictures of one size")
-        pair = grey(a.picture), grey(b.picture)
-        yield a, rig(*pair) if rig else pair
+        yield a, (grey(a.picture), grey(b.picture))
 
 
 def _write(run: Session, suffix: str, fit: Fit, found: RangeMap, geometry: StereoGeometry | None, shown: Image

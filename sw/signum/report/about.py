@@ -37,7 +37,8 @@ class About:
         options: as the command line takes them, those that were not given with their defaults.
         date: when the report was written, local, to the minute, ISO 8601.
         frames: finished. seconds: that the host took for them, its waiting for a live source included.
-        board: its name. clocks: that it took for all frames; estimated: whether these are not counted by RTL.
+        board: its name, empty where none was used. clocks: that it took for all frames; estimated: whether these are
+            not counted by RTL.
         refused: measurements, or frames, that were refused, by the reason.
         result: the size of what was made, in words; empty for tables alone.
     """
@@ -63,7 +64,7 @@ class About:
                  ("command and options", f"signum {self.command} {self.options}".strip()),
                  ("version, date", f"{self.version}, {self.date}"), ("frames", f"{self.frames:,}"),
                  ("host, frames/s", speed)]
-        if self.frames:
+        if self.frames and self.board:
             lines.append((f"board {self.board}, clocks a frame{', estimated' if self.estimated else ''}",
                           f"{self.clocks / self.frames:,.0f}"))
         refused = {reason: count for reason, count in self.refused.items() if count}

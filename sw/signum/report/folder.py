@@ -12,7 +12,7 @@ from pathlib import Path
 
 from signum.common.errors import SignumError
 from signum.report.about import About, head
-from signum.report.kinds import anything, flow, mosaic, navigate, stereo, track
+from signum.report.kinds import anything, calibrate, flow, mosaic, navigate, stereo, track
 from signum.report.page import Section, write_page
 
 KINDS: dict[str, tuple[str, Callable[[Path], list[Section]]]] = {
@@ -21,6 +21,7 @@ KINDS: dict[str, tuple[str, Callable[[Path], list[Section]]]] = {
     "disparity.csv": ("Stereo range", stereo.sections),
     "edges.csv": ("Mosaic", mosaic.sections),
     "navigate.csv": ("Mosaic navigation", navigate.sections),
+    "views.csv": ("Calibration", calibrate.sections),
 }
 """Table -> title of the page, and what makes its sections from the folder."""
 

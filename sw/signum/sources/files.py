@@ -14,13 +14,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from signum.common.arrays import Image
+from signum.common.arrays import Floats, Image
 from signum.common.checks import check_file, check_pixels
+from signum.common.console import notes
 from signum.common.errors import SourceError
 from signum.frames.eight import EightBits
 from signum.frames.exif import times_of
 from signum.frames.frame import Frame, Source, read_picture, size_text
-from signum.geometry.calibration import CalibrationError, read_mono
+from signum.geometry.lens import Lens
 
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"})
 """A file with one of these endings is a picture."""
@@ -102,11 +103,11 @@ class ArraySource(Source):
 class UndistortedSource(Source):
     """Frames of another source as a camera without lens distortion, of the same size and focal length, sees them."""
 
-    def __init__(self, source: Source, calibration: Path) -> None:
+    def __init__(self, source: Source, lens: Lens, calibration: str) -> None:
         super().__init__(source.label, source.count)
         self.source, self.snapshots, self.calibration = source, source.snapshots, calibration
         self.live, self.rate = source.live, source.rate
-        self._matrix, self._distortion, self._size = read_mono(calibration)
+        self.lens = lens
 
     @property
     def skipped(self) -> int:  # type: ignore[override]
@@ -114,12 +115,13 @@ class UndistortedSource(Source):
         return self.source.skipped
 
     def _frames(self) -> Iterator[Frame]:
-        maps = cv2.initUndistortRectifyMap(self._matrix, self._distortion, np.eye(3), self._matrix, self._size,
-                                           cv2.CV_32FC1)
+        maps: tuple[Floats, Floats] | None = None
         for frame in self.source:
-            if frame.size != self._size:
-                raise CalibrationError(f"{self.calibration}: is for {size_text(self._size)}, frame {frame.name} is "
-                                       f"{size_text(frame.size)}: use the calibration of this camera at this size")
+            if maps is None:  # all frames have one size
+                maps = self.lens.scaled(frame.size, f"{self.calibration}: frame {frame.name}").maps()
+                if frame.size != self.lens.size:
+                    notes.print(f"{self.calibration}: is for {size_text(self.lens.size)}, scaled to the frames' "
+                                f"{size_text(frame.size)}")
             yield replace(frame, picture=np.asarray(cv2.remap(frame.picture, *maps, cv2.INTER_LINEAR), np.uint8))
 
 

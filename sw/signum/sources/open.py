@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Opens the source a user names: pictures, a video, a ROS bag, a camera, an array file or the simulated world."""
+"""Opens what a user names: a source (pictures, a video, a ROS bag, a camera, an array file or the simulated world), or
+a calibration."""
 
 from __future__ import annotations
 
@@ -9,6 +10,9 @@ from pathlib import Path
 from signum.common.checks import check_file
 from signum.common.errors import SourceError, lacking
 from signum.frames.frame import Source
+from signum.geometry.calibration import CalibrationError, Lens, Rig, read_lens, read_rig
+from signum.geometry.document import Entries, read_entries
+from signum.geometry.formats import lens_of, rig_of_two
 from signum.sources.files import (
     PICTURES,
     ArraySource,
@@ -22,24 +26,84 @@ from signum.sources.video import VideoSource
 BAGS = frozenset({".bag", ".mcap", ".db3"})
 """A file with one of these endings is a ROS bag."""
 CAMERA = re.compile(r"(?:camera:)?(\d{1,2})$")
+RECTIFIED = re.compile(r"#.*/image_rect(?:_mono|_color|_raw)?(?:/\w+)?$")
+"""A topic that ROS' image_proc has rectified."""
 WORLD = re.compile(r"world(?::|$)")
 
 
-def open_source(text: str | Path, calibration: Path | None = None) -> Source:
+def open_source(text: str | Path, calibration: str | Path | None = None) -> Source:
     """Open a source by its name.
 
     Args:
         text: a folder, a picture, a video, a .npy array, a ROS bag (`dive.bag`, `dive.mcap` or a bag's folder, followed
             by `#topic` if it has several), a camera (`0` or `camera:0`) or the simulated world (`world` or
             `world:name=value,...`).
-        calibration: OpenCV YAML of the camera, whose distortion is taken out of every frame; None for none.
+        calibration: of the camera, whose distortion is taken out of every frame, as `open_lens` reads it; None for
+            none.
 
     Raises:
         SourceError: if there is no such source, or none of it can be used. A bad frame raises when its turn comes.
         CalibrationError: if the calibration cannot be used.
     """
     source = _open(text)
-    return source if calibration is None else UndistortedSource(source, calibration)
+    if calibration is None:
+        return source
+    if RECTIFIED.search(source.label):
+        raise CalibrationError(f"{source.label}: by its name this topic is without distortion already, which would be "
+                               "taken out twice: take the raw topic, or leave --calibration out")
+    return UndistortedSource(source, open_lens(calibration), str(calibration))
+
+
+def open_lens(text: str | Path) -> Lens:
+    """Open the calibration of a single camera by its name.
+
+    Args:
+        text: a file of OpenCV, ROS or Kalibr (see `read_lens`), followed by `#cam1` if it has several cameras, or a bag
+            with CameraInfo messages, followed by `#topic` if it has several such topics.
+
+    Raises:
+        CalibrationError: if it cannot be used.
+    """
+    file, topic = split_topic(str(text))
+    if _is_bag(Path(file)):
+        return lens_of(_camera_infos(Path(file), topic, 1)[0])
+    path, camera = _split_camera(str(text))
+    return read_lens(path, camera)
+
+
+def open_rig(text: str | Path) -> Rig:
+    """Open the calibration of a stereo pair by its name.
+
+    Args:
+        text: a file of OpenCV or Kalibr (see `read_rig`); two files of ROS, `left.yaml,right.yaml`; or a bag with
+            CameraInfo messages, followed by `#/left/camera_info,/right/camera_info` if it has more than these two.
+
+    Raises:
+        CalibrationError: if it cannot be used.
+    """
+    file, topics = split_topic(str(text))
+    if _is_bag(Path(file)):
+        return rig_of_two(*_camera_infos(Path(file), topics, 2))
+    left, comma, right = str(text).partition(",")
+    if comma and not Path(text).exists():
+        return rig_of_two(read_entries(Path(left)), read_entries(Path(right)))
+    return read_rig(Path(text))
+
+
+def _camera_infos(path: Path, topics: str, count: int) -> list[Entries]:
+    try:
+        from signum.sources.camera_info import read_camera_infos  # loads slowly
+    except ModuleNotFoundError as error:
+        raise lacking("ros", error) from error
+    return read_camera_infos(path, [name for name in topics.split(",") if name], count)
+
+
+def _split_camera(text: str) -> tuple[Path, str]:
+    """A file's path and the camera in it, which follows the last `#`; the file's own name may have one."""
+    name, mark, camera = text.rpartition("#")
+    if not mark or Path(text).exists() or "/" in camera:
+        return Path(text), ""
+    return Path(name), camera
 
 
 def _open(text: str | Path) -> Source:

@@ -55,5 +55,11 @@ ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "m
 SCENE_TRUTH = "north_m", "east_m", "altitude_m", "roll_deg", "pitch_deg", "heading_deg"
 """`truth.csv` of a simulated scene, after frame and time_s: pose of the camera; altitude is the median depth of what it
 sees."""
+VIEWS = "frame", "camera", "used", "corners", "rms_px", "range_m", "tilt_deg"
+"""`views.csv` of a calibration: a view of the board by the left (or only) or right camera; whether the camera was
+computed from it; its corners and their distance from the computed ones; distance of the board's corner from the camera,
+and angle of the board to the picture's plane."""
+CORNERS = "frame", "camera", "used", "x_px", "y_px", "dx_px", "dy_px"
+"""`corners.csv` of a calibration: a corner of the board is at (x, y), which is (dx, dy) from the computed place."""
 BARS = "section", "figure", "measured", "relation", "bound", "met"
 """`bars.csv` of the reproduction: each measured figure, the bound it is held to, and whether it meets it."""

@@ -85,9 +85,11 @@ BAD_PAIRS: dict[str, tuple[str, dict[str, Any]]] = {
     "R mirrored": ("R is no rotation", {"R": np.diag([1.0, 1, -1])}),
     "R nan": ("R contains nan", {"R": np.eye(3) * np.nan}),
     "T 0": ("T is of length 0", {"T": np.zeros((3, 1))}),
-    "T in millimetres": ("T contains", {"T": np.full((3, 1), 120.0)}),
+    "T in no unit": ("T is of length 15; expected metres", {"T": np.array([[-15.0], [0], [0]])}),
+    "T huge": ("T contains", {"T": np.full((3, 1), 1e308)}),
     "T shape": ("T has shape 2x1", {"T": np.zeros((2, 1))}), "K2": ("K2", {"K2": MATRIX * 0}),
-    "D1": ("D1", {"D1": np.full((1, 5), np.inf)}), "mirrored": ("to the right", {"T": np.array([[0.1], [0], [0]])}),
+    "D1": ("D1", {"D1": np.full((1, 5), np.inf)}), "above": ("above or below", {"T": np.array([[0.0], [0.1], [0]])}),
+    "behind": ("before or behind", {"T": np.array([[0.0], [0.0], [0.1]])}),
 }
 
 

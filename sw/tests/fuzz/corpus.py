@@ -60,6 +60,8 @@ KINDS = {
     "plain": Kind((*FLOW, "{in}/dive.mcap"), weight=6),
     "jpegs": Kind((*FLOW, "{in}/dive.bag"), weight=3),
     "calibration": Kind((*FLOW, "{in}/dive.npy", "--calibration", "{in}/c.yaml"), ("c.yaml",), weight=9),
+    "camera_info": Kind((*FLOW, "{in}/dive.npy", "--calibration", "{in}/c.yaml"), ("c.yaml",), weight=5),
+    "kalibr": Kind((*FLOW, "{in}/dive.npy", "--calibration", "{in}/c.yaml"), ("c.yaml",), weight=4),
     "stereo": Kind(("stereo", "{in}/l.png", "{in}/r.png", "--step", "48", "--calibration", "{in}/c.yaml", "--out",
                     "{out}"), ("c.yaml",), weight=9),
     "navigation": Kind((*MOSAIC, "{out}", "--navigation", "{in}/n.csv"), ("n.csv",), weight=5),
@@ -74,6 +76,29 @@ KINDS = {
     "names": Kind((*TRACK, "{in}"), weight=4),
 }
 """Every kind of input that a command reads."""
+
+CAMERA_INFO = """image_width: 160
+image_height: 120
+camera_name: narrow
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [160.0, 0.0, 79.5, 0.0, 160.0, 59.5, 0.0, 0.0, 1.0]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [0.05, 1e-2, 0.0, 0.0, 0.0]
+"""
+"""A camera as ROS writes it."""
+KALIBR = """cam0:
+  camera_model: pinhole
+  distortion_coeffs: [0.05, 0.01, 0.0, 0.0]
+  distortion_model: equidistant
+  intrinsics: [160.0, 160.0, 79.5, 59.5]
+  resolution: [160, 120]
+"""
+"""A fisheye camera as Kalibr writes it."""
 
 
 def frames() -> list[Image]:
@@ -101,7 +126,7 @@ def build(folder: Path) -> None:
         for picture in pictures:
             writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
         writer.release()
-    for kind in ("npy", "calibration", "chart", "options"):
+    for kind in ("npy", "calibration", "camera_info", "kalibr", "chart", "options"):
         np.save(folder / kind / "dive.npy", np.stack(pictures))
     _bag(folder / "bag" / "dive.bag", pictures)
     _bag(folder / "jpegs" / "dive.bag", pictures, jpeg=True)
@@ -114,6 +139,8 @@ def build(folder: Path) -> None:
     sign_mcap(folder / "mcap" / "dive.mcap")
     for kind in ("calibration", "stereo"):
         calibration(folder / kind / "c.yaml")
+    (folder / "camera_info" / "c.yaml").write_text(CAMERA_INFO)
+    (folder / "kalibr" / "c.yaml").write_text(KALIBR)
     for side, picture in zip("lr", pictures, strict=False):
         write_picture(folder / "stereo" / f"{side}.png", picture)
     rows = "".join(f"{k},{500000 + 0.02 * k},{6090000 - 0.015 * k}\n" for k in range(FRAMES))

@@ -124,6 +124,17 @@ def test_reports_of_anything_and_of_nothing(tmp_path: Path) -> None:
     assert "has no column feature" in _run("report", tmp_path / "empty").stderr
 
 
+def test_exchanged_pictures_are_said(tmp_path: Path) -> None:
+    world = World(Seafloor(extent=4.0, texel=0.005))
+    for side, shot in zip("lr", world.look_pair(CAMERA, Sight(np.array([0.0, 0, -1.5]), LOOK_DOWN), 0.1), strict=True):
+        write_picture(tmp_path / f"{side}.png", shot.frame)
+    rig = _rig(tmp_path / "rig.yaml", 0.1)
+    for order, said in (("rl", True), ("lr", False)):
+        result = _run("stereo", *(tmp_path / f"{side}.png" for side in order), "--calibration", rig, "--step", "16",
+                      "--out", tmp_path / order)
+        assert result.exit_code == int(said) and ("the pictures look exchanged" in result.stderr) is said, result.output
+
+
 def test_drift_is_stated(tmp_path: Path) -> None:
     out = tmp_path / "out"
     result = _run("track", "world:frames=9,water=clear,speed=0.6", "--features", "8", "--window", "48", "--out", out)
@@ -153,7 +164,7 @@ def test_undistortion(tmp_path: Path) -> None:
     inside = np.s_[20:-20, 20:-20]
     assert np.abs(frame.picture[inside].astype(float) - true[inside]).mean() < 1.5
     write_picture(tmp_path / "in" / "1.png", true[:100])
-    with pytest.raises(CalibrationError, match="is for 192x144, frame 1 is 192x100"):
+    with pytest.raises(CalibrationError, match=r"frame 1: is for 192x144 \(aspect 1.333\), the frames are 192x100"):
         list(open_source(tmp_path / "in", path))
     with pytest.raises(CalibrationError, match=r"no such file.*\(expected: calibration\)"):
         open_source(tmp_path / "in", tmp_path / "none.yaml")
