@@ -29,7 +29,7 @@ UNITS = {
     "section": "word", "figure": "phrase", "relation": "sign", "score": "matching fraction, 0 to 1",
     "margin": "matching fraction", "valid": "0 or 1", "accepted": "0 or 1", "sharp": "0 or 1", "met": "0 or 1",
     "camera": "word", "used": "0 or 1", "corners": "number",
-    "zoom": "ratio", "scale": "ratio", "confidence": "0 to 100", "agreed": "windows", "tried": "windows",
+    "scale": "ratio", "confidence": "0 to 100", "agreed": "windows", "tried": "windows",
     "windows": "number", "direct": "features", "links": "measurements", "pairs": "number",
     **dict.fromkeys(("rmse", "mean", "median", "std", "min", "max"), "of column unit"),
     **dict.fromkeys(("measured", "bound"), "as the figure names"),

@@ -20,9 +20,9 @@ FLOW = "frame_a", "frame_b", "time_s", "step_s", "x_px", "y_px", "dx_px", "dy_px
 time is frame b's, the step that from frame a to it."""
 DISPARITY = "frame", "time_s", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
 """`disparity.csv`: disparity and range at (x, y) of the rectified left frame; empty where not valid or not known."""
-HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "zoom", "range_m", "confidence", "agreed", "tried"
+HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "scale", "range_m", "confidence", "agreed", "tried"
 """`hold.csv`: seconds after the first frame; x ahead and y to the right of the station, rotation clockwise seen from
-above, zoom and range of the paper's equations 6 and 7, empty where confidence is 0; confidence, 0..100, the share of
+above, scale and range of the paper's equations 6 and 7, empty where confidence is 0; confidence, 0..100, the share of
 the windows that agree in percent, less where their median score is below 0.75; windows that agree, and that were
 tried."""
 HOLD_TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
