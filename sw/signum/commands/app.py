@@ -35,6 +35,8 @@ RAISE = "SIGNUM_RAISE"
 """Environment variable with which an unexpected error is raised, so that tests and `make fuzz` see it."""
 OUTPUT = "output"
 """The parameter that holds a command's output folder."""
+REPORTED = "folder"
+"""That of `signum report`."""
 
 app = typer.Typer(
     name="signum", no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
@@ -170,8 +172,8 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
             _fail(f"{error.filename} is {kind}: choose another folder with --out")
         except OSError as error:
             name = error.filename if error.filename is not None else _written_by(error) or values.get(OUTPUT, "file")
-            _fail(f"{os.fsdecode(name) if isinstance(name, bytes) else name}: {_reason(error)}; mend that, or choose "
-                  "another --out")
+            shown = os.fsdecode(name) if isinstance(name, bytes) else str(name)
+            _fail(f"{shown}: {_reason(error)}; mend that{', or choose another --out' * _within(shown, values)}")
         except KeyboardInterrupt:
             with signals.telling():
                 notes.print("signum: stopped; what was finished is kept")
@@ -183,6 +185,12 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
                 raise
             _fail(_unexpected(error, function.__name__, values))
     return run
+
+
+def _within(name: str, values: Mapping[str, object]) -> bool:
+    """Whether a file lies in the command's output folder, or is it."""
+    output = values.get(OUTPUT)
+    return isinstance(output, Path) and Path(name).resolve().is_relative_to(output.resolve())
 
 
 def _reason(error: OSError) -> str:
@@ -208,7 +216,7 @@ def _unexpected(error: Exception, command: str, values: Mapping[str, object]) ->
     given = "".join(f"  {name}: {value}\n" for name, value in sorted(values.items()))
     text = f"signum {command}\n{given}\n{''.join(traceback.format_exception(error))}"
     line = f"unexpected {type(error).__name__} in `signum {command}` ({error})"
-    output = values.get(OUTPUT)
+    output = values.get(OUTPUT, values.get(REPORTED))
     for folder in (output if isinstance(output, Path) else Path(), Path(tempfile.gettempdir())):
         try:
             folder.mkdir(parents=True, exist_ok=True)

@@ -27,8 +27,8 @@ from signum.frames.eight import EightBits
 PilImage.MAX_IMAGE_PIXELS = None  # `check_pixels` has a limit of its own
 PNG = b"\x89PNG\r\n\x1a\n"
 TIFF = b"II", b"MM"
-# A user gets one line for a picture that cannot be read; OpenCV's own warnings, of odd TIFF tags, would hide it.
-cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
+# A user gets one line for a picture that cannot be read: OpenCV's own, of odd TIFF tags or depths, would hide it.
+cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,8 @@ class _McapLog(Log):
             raise ValueError("it does not begin as an MCAP file does")
         self.topics = {}
         summary = self._summary()
-        if summary is not None and summary.statistics is not None and summary.chunk_indexes:
+        if (summary is not None and summary.statistics is not None and summary.chunk_indexes
+                and all(c.uncompressed_size <= LARGEST_CHUNK for c in summary.chunk_indexes)):
             self._indexed = True
             self._schemas = dict(summary.schemas)
             for c in summary.channels.values():

@@ -5,6 +5,7 @@ unexpected, which leaves a log."""
 from __future__ import annotations
 
 import csv
+import errno
 import os
 import signal
 import struct
@@ -26,6 +27,7 @@ from signum.commands.cli import application
 from signum.common.errors import SignumError
 from signum.common.files import write_picture
 from signum.geometry.calibration import CalibrationError, read_mono, read_stereo
+from signum.report import folder as folder_report
 from signum.report.read_table import read_table
 from signum.sources.open import open_source
 from signum.tables.table import Table
@@ -267,6 +269,26 @@ def test_an_unexpected_error_is_one_line_and_a_log(tmp_path: Path, inputs: Path,
     assert "unexpected ZeroDivisionError" in line and str(out / commands.LOG) in line
     log = (out / commands.LOG).read_text()
     assert "Traceback" in log and "deep inside" in log and str(inputs / "png" / "a.png") in log
+
+
+def test_a_file_that_may_not_be_read_needs_no_other_output(tmp_path: Path, inputs: Path,
+                                                           monkeypatch: pytest.MonkeyPatch) -> None:
+    picture, out = inputs / "png" / "a.png", tmp_path / "o"
+    for path, advice in ((picture, "mend that"), (out / "sign.png", "mend that, or choose another --out")):
+        def refused(*_: object, path: Path = path) -> None:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+        monkeypatch.setattr(filter_command, "stage_panel", refused)
+        assert _line(_run("filter", picture, "--out", out)).endswith(f"{path}: Permission denied; {advice}")
+
+
+def test_an_unexpected_error_of_a_report_is_logged_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(folder_report, "write_report", broken)
+    monkeypatch.delenv(commands.RAISE)
+    assert str(tmp_path / commands.LOG) in _line(_run("report", tmp_path)) and (tmp_path / commands.LOG).exists()
 
 
 @pytest.mark.parametrize("name", ["o[/red]", "[bold]o", ":smile:", "o [link=x]"])

@@ -19,6 +19,7 @@ from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
 from signum.common.errors import SourceError
+from signum.sources import logs
 from signum.sources.bags import BagSource
 from signum.sources.open import open_source
 
@@ -242,3 +243,11 @@ def test_a_folder_may_have_a_hash_in_its_name(tmp_path: Path) -> None:
     _foxglove(tmp_path / "dir #1/dive.mcap")
     assert len(list(open_source(tmp_path / "dir #1/dive.mcap"))) == 12
     assert len(list(open_source(f"{tmp_path}/dir #1/dive.mcap#/camera"))) == 12
+
+
+def test_a_chunk_too_large_to_decompress_is_refused_from_the_index_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+                                                                      ) -> None:
+    path = _write(tmp_path, "mcap", {"/image": [_image("mono8", COLOUR[..., 0])]})
+    monkeypatch.setattr(logs, "LARGEST_CHUNK", 100)
+    with pytest.raises(SourceError, match=r"a chunk of \d+ bytes"):
+        list(open_source(next(path.glob("*.mcap"))))
