@@ -26,6 +26,17 @@ class BoardName(StrEnum):
     verilated = "verilated"
 
 
+def folder(text: str | Path) -> Path:
+    """A folder as the command line names it.
+
+    Raises:
+        typer.BadParameter: if the name is empty, as from a variable that is not set; it would be the current folder.
+    """
+    if not str(text):
+        raise typer.BadParameter("is empty: name a folder, . for the current one")
+    return Path(text)
+
+
 SourceArgument = Annotated[str, typer.Argument(
     help="Video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.", show_default=False)]
 CalibrationOption = Annotated[Path | None, typer.Option(
@@ -39,7 +50,7 @@ PairOption = Annotated[Path | None, typer.Option(
     "--calibration", rich_help_panel=SOURCE, show_default=False, help="Calibration of the stereo pair: a file of "
     "`signum calibrate`, OpenCV (K1 D1 K2 D2 R T) or Kalibr, two files of ROS (LEFT.yaml,RIGHT.yaml), or CameraInfo in "
     "a bag: BAG or BAG#/LEFT,/RIGHT.")]
-OutOption = Annotated[Path, typer.Option("--out", rich_help_panel=OUTPUT,
+OutOption = Annotated[Path, typer.Option("--out", rich_help_panel=OUTPUT, parser=folder, metavar="PATH",
                                          help="Folder for the files that are written; made if missing.")]
 BoardOption = Annotated[BoardName, typer.Option(
     "--board", rich_help_panel=BOARD, help="Golden model, or RTL under Verilator: identical bits.")]

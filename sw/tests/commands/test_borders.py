@@ -291,6 +291,13 @@ def test_an_unexpected_error_of_a_report_is_logged_beside_it(tmp_path: Path, mon
     assert str(tmp_path / commands.LOG) in _line(_run("report", tmp_path)) and (tmp_path / commands.LOG).exists()
 
 
+def test_an_empty_output_is_not_the_current_folder(tmp_path: Path, inputs: Path, monkeypatch: pytest.MonkeyPatch
+                                                   ) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = _run("filter", inputs / "png" / "a.png", "--out", "")
+    assert result.exit_code == 2 and "name a folder" in result.stderr and not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("name", ["o[/red]", "[bold]o", ":smile:", "o [link=x]"])
 def test_no_path_is_read_as_markup(tmp_path: Path, inputs: Path, name: str) -> None:
     result = _run("filter", inputs / "png" / "a.png", "--out", tmp_path / name)
