@@ -45,6 +45,7 @@ from signum.frames.frame import Frame, Source
 from signum.geometry.calibration import Rectifier, StereoGeometry
 from signum.report.about import head
 from signum.report.page import Section, write_page
+from signum.report.pictures import film as film_of
 from signum.sources.open import open_rig, open_source
 from signum.world.camera import Pinhole
 
@@ -223,4 +224,6 @@ def _word(target: Target) -> str:
 
 def _page(run: Session, section: Section) -> None:
     page = run.folder / PAGE
-    write_page(page, "Signum: Object following", [section], head(page, run.about()))
+    shown = film_of(run.folder / "follow.mp4")
+    write_page(page, "Signum: Object following", [section, *([Section("Film", shown)] if shown else [])],
+               head(page, run.about()))

@@ -37,7 +37,7 @@ class Reel:
             if name not in self.names:
                 self.names.append(name)
                 if not self.pictures:
-                    self._films.append(Movie(self._file(name), self.rate, grey=True))
+                    self._films.append(Movie(self._file(name), self.rate))
             if self.pictures:
                 path = self._file(f"{side}/{self.count:05d}.png")
                 path.parent.mkdir(exist_ok=True)

@@ -25,7 +25,7 @@ h1{margin-bottom:0}h2{margin-top:2em;border-bottom:1px solid #ccd6df}figure{marg
 figcaption{font-size:.85em;color:#51606d;text-align:center}
 .row{display:flex;flex-wrap:wrap;gap:12px;align-items:flex-start;margin:1em 0}.row figure{flex:1 1 220px}
 .row figure:nth-child(n+5){max-width:calc(50% - 6px)}
-img{width:100%;height:auto;display:block;image-rendering:auto}table{border-collapse:collapse;margin:1em 0}
+video,img{width:100%;height:auto;display:block;image-rendering:auto}table{border-collapse:collapse;margin:1em 0}
 td,th{padding:.25em .9em;border-bottom:1px solid #dde5ec;text-align:right}
 td:first-child,th:first-child{text-align:left}.met{color:#1a7f37}.missed{color:#b42318;font-weight:600}
 .tall{max-width:360px}.run td{text-align:left}

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import base64
+import html
 from pathlib import Path
 
 import cv2
@@ -15,6 +17,8 @@ from signum.report.page import figure, paragraph
 
 WIDEST = 1400
 """Largest width of a picture on a page, pixels."""
+LARGEST_FILM = 16 << 20
+"""Largest film inside a page, bytes."""
 MOST_PICTURES = 6
 """Pictures of one kind on a page."""
 
@@ -33,6 +37,17 @@ def picture(path: Path, caption: str = "") -> str:
         size = (WIDEST, max(1, round(shown.shape[0] * scale)))
         shown = np.asarray(cv2.resize(shown, size, interpolation=cv2.INTER_AREA), np.uint8)
     return figure(shown, caption or path.stem)
+
+
+def film(path: Path) -> str:
+    """A film that the page plays, inside the page, or beside it where it is large; empty if there is none."""
+    if not path.is_file():
+        return ""
+    name = html.escape(path.name)
+    large = path.stat().st_size > LARGEST_FILM
+    source = name if large else f"data:video/mp4;base64,{base64.b64encode(path.read_bytes()).decode()}"
+    return (f"<figure><video controls muted loop preload='metadata' src='{source}'></video><figcaption>{name}"
+            f"{', beside this page' if large else ''}</figcaption></figure>")
 
 
 def pictures(folder: Path, pattern: str, most: int = MOST_PICTURES) -> list[str]:

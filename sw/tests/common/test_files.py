@@ -6,8 +6,10 @@ from __future__ import annotations
 import multiprocessing
 import resource
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -62,12 +64,21 @@ def test_a_full_disk_is_said(make: Callable[[Path], None], name: str, tmp_path: 
 
 
 def test_a_film_holds_every_frame(tmp_path: Path) -> None:
-    for grey in (False, True):
-        movie = Movie(tmp_path / "a.mp4", grey=grey)
-        for _ in range(5):
-            movie.write(NOISE)
+    for picture in (NOISE, np.dstack([NOISE] * 3)[:-1, :-1]):
+        movie = Movie(tmp_path / "a.mp4", 25)
+        for k in range(5):
+            movie.write(np.roll(picture, 9 * k, 1))
         movie.close()
-        assert cv2.VideoCapture(str(tmp_path / "a.mp4")).get(cv2.CAP_PROP_FRAME_COUNT) == 5
+        with av.open(str(tmp_path / "a.mp4")) as film:
+            stream = film.streams.video[0]
+            assert (stream.codec_context.name, stream.pix_fmt) == ("h264", "yuv420p")
+            assert stream.average_rate == Fraction(25)
+            frames = [frame.to_ndarray(format="gray") for frame in film.decode(stream)]
+        assert len(frames) == 5
+        for k, frame in enumerate(frames):
+            whole = np.roll(picture, 9 * k, 1)
+            grey = whole if whole.ndim == 2 else whole[..., 0]
+            assert np.abs(frame.astype(int) - grey[:frame.shape[0], :frame.shape[1]]).mean() < 8
 
 
 @pytest.mark.parametrize("ending", [".png", ".tif", ".jpg"])

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 from signum.report.page import Section, paragraph, plot, row, table
-from signum.report.pictures import pictures
+from signum.report.pictures import film, pictures
 from signum.report.read_table import read_table
 from signum.tables.schemas import FLOW
 
@@ -36,7 +36,8 @@ def sections(folder: Path) -> list[Section]:
     axes[1].plot(shares, color="tab:green")
     axes[1].set(ylabel="share valid", xlabel="pair of frames", ylim=(0, 1.02))
     about = ("Every arrow is the displacement of one window to the next frame, drawn twice as long; a cross is a "
-             "measurement that was refused." + (" All fields: flow.mp4." if (folder / "flow.mp4").exists() else ""))
-    return [Section("Flow fields", paragraph(about) + row(pictures(folder, "flow_*.png"))),
+             "measurement that was refused.")
+    shown = [*pictures(folder, "flow_*.png"), film(folder / "flow.mp4")]
+    return [Section("Flow fields", paragraph(about) + row([s for s in shown if s])),
             Section("Motion of the picture", row([plot(fig, "median of the valid windows, pair by pair")])
                     + table(("", ""), lines))]
