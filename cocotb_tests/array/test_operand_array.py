@@ -42,7 +42,7 @@ async def windows(dut, bubbles: str) -> None:
 async def reset_in_mid_pass(dut) -> None:
     """Two resets while passes are in flight; the memories keep their words, scores in flight are gone."""
     traffic = _windows(random.Random(cocotb.RANDOM_SEED), "random")
-    stimulus = traffic.stimulus(10, 4)
+    stimulus = traffic.stimulus(14, 4)
     scores = resets = 0
 
     def watch(i: Inputs, out: Outputs) -> None:
@@ -57,7 +57,8 @@ async def reset_in_mid_pass(dut) -> None:
             while True:
                 step = STEP.unpack(i["step_i"])
                 busy += step["valid"]
-                i["rst_i"] = int(resets < 2 and busy > 60 * (resets + 1) and bool(quiet or step["last"]))
+                ends = step["valid"] and step["last"]  # its scores are still to come
+                i["rst_i"] = int(resets < 2 and busy > 25 * (resets + 1) and bool(quiet or ends))
                 quiet = int(i["rst_i"] and not quiet)
                 resets += quiet
                 i = stimulus.send((yield i))
