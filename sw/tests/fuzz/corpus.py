@@ -20,6 +20,8 @@ from skimage import data
 from signum.common.arrays import Image
 from signum.common.files import write_picture
 
+DISPARITY = 8
+"""Of the stereo pair, pixels."""
 FRAMES, SIZE, STEP = 4, (160, 120), (8, 6)
 """Number of frames, width and height, and how far the view moves from one to the next, pixels."""
 SMALL = "--window", "32"
@@ -141,8 +143,9 @@ def build(folder: Path) -> None:
         calibration(folder / kind / "c.yaml")
     (folder / "camera_info" / "c.yaml").write_text(CAMERA_INFO)
     (folder / "kalibr" / "c.yaml").write_text(KALIBR)
-    for side, picture in zip("lr", pictures, strict=False):
-        write_picture(folder / "stereo" / f"{side}.png", picture)
+    for side, left in zip("lr", (60, 60 + DISPARITY), strict=True):
+        view = data.gravel()[50:50 + SIZE[1], left:left + SIZE[0]]
+        write_picture(folder / "stereo" / f"{side}.png", np.ascontiguousarray(view, np.uint8))
     rows = "".join(f"{k},{500000 + 0.02 * k},{6090000 - 0.015 * k}\n" for k in range(FRAMES))
     for kind in ("navigation", "truth"):
         (folder / kind / "n.csv").write_text(f"frame,east_m,north_m\n{rows}")
