@@ -25,7 +25,7 @@ async def every_clock(dut, source: str, held: bool) -> None:
     kinds = rng.sample(BAD_KINDS, len(BAD_KINDS))
     items = [stray(rng, 30)]
     for kind in kinds:
-        items += [good(texture(rng, WIDTH, HEIGHT)) for _ in range(rng.randint(0, 1))]
+        items += [good(texture(rng, WIDTH, HEIGHT)) for _ in range(rng.randint(int(kind == kinds[0]), 1))]
         items.append(bad(kind, texture(rng, WIDTH, HEIGHT), rng))
     items += [good(texture(rng, WIDTH, HEIGHT)), stray(rng, 3), good(texture(rng, WIDTH, HEIGHT))]
     counts = {"accepted_o": 0, "dropped_o": 0, "px_start_o": 0, "px_abort_o": 0, "px_done_o": 0}

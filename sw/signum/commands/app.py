@@ -25,6 +25,7 @@ from signum.commands.outputs import check_inputs
 from signum.common.checks import MEGAPIXELS, megapixels, option
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
+from signum.common.files import real_path
 from signum.common.version import VERSION
 
 LONGEST = 500
@@ -190,7 +191,7 @@ def _guarded(function: Callable[..., None]) -> Callable[..., None]:
 def _within(name: str, values: Mapping[str, object]) -> bool:
     """Whether a file lies in the command's output folder, or is it."""
     output = values.get(OUTPUT)
-    return isinstance(output, Path) and Path(name).resolve().is_relative_to(output.resolve())
+    return isinstance(output, Path) and real_path(name).is_relative_to(real_path(output))
 
 
 def _reason(error: OSError) -> str:

@@ -28,7 +28,7 @@ from signum.commands.session import Session, kind_of
 from signum.commands.signals import shielded
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
-from signum.common.files import replacing
+from signum.common.files import real_path, replacing
 from signum.frames.frame import Frame
 from signum.measure.register import Registrar
 from signum.tables.schemas import ACCURACY
@@ -89,7 +89,7 @@ def mosaic(
             raise SignumError(f"{ground.navigation}: is by time, and {run.source.label} has frames without times: give "
                               "their --rate, or a log by frame")
         asked = SurveyRun(run.name, run.fit.source, not run.source.snapshots, board.window, board.sigma,
-                          settings.columns, "" if calibration is None else str(calibration.resolve()))
+                          settings.columns, "" if calibration is None else str(real_path(calibration)))
         registrar = Registrar.on(run.measurer, run.fit, board.window, board.sigma)
         resumes = _resumes(resume, run, asked, [p for p in (calibration, truth, ground.navigation) if p is not None])
         survey = Survey(registrar, output, asked.stream, settings, asked.source, resumes,
@@ -191,8 +191,8 @@ def _resumes(asked: bool | None, run: Session, here: SurveyRun, given: list[Path
         return bool(asked)  # which the survey refuses
     if trouble:
         raise SignumError(trouble)
-    own = {(folder / name).resolve() for name in held}
-    replaced = next((path for path in given if path.resolve() in own), None)
+    own = {real_path(folder / name) for name in held}
+    replaced = next((path for path in given if real_path(path) in own), None)
     if replaced is not None:
         raise SignumError(f"{replaced}: is of the survey in {folder}, which would replace it while reading it: choose "
                           "another --out, or copy it elsewhere")
@@ -221,11 +221,11 @@ def _move_aside(run: Session, given: list[Path]) -> None:
     Raises:
         SignumError: if it contains what the survey reads.
     """
-    real = run.folder.resolve()
+    real = real_path(run.folder)
     if Path.cwd().is_relative_to(real):
         raise SignumError(f"{run.folder}: cannot be moved aside from inside it: call from elsewhere, or choose another "
                           "--out")
-    inside = [path for path in (*given, Path(run.name)) if path.resolve().is_relative_to(real)]
+    inside = [path for path in (*given, Path(run.name)) if real_path(path).is_relative_to(real)]
     if inside:
         raise SignumError(f"{run.folder}: contains {inside[0]}, so it cannot be moved aside; choose another --out")
     notes.print(f"{run.folder}: what it holds is now in {move_aside(run.folder)}")

@@ -26,7 +26,7 @@ from signum.commands.outputs import lock
 from signum.commands.session import Session, kind_of
 from signum.common.console import notes, out, progress
 from signum.common.errors import SignumError
-from signum.common.files import write_picture, write_text
+from signum.common.files import real_path, write_picture, write_text
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame
 from signum.report.rows import seconds
@@ -172,7 +172,7 @@ def _simulated(run: Session, carrier: Carrier, seed: int, mosaic: Path, goto: st
                           "simulated one")
     site = PanTiltSite(PanTiltScene(seed=seed)) if carrier is Carrier.pan_tilt else VehicleSite(Dive(seed=seed))
     mosaic.mkdir(parents=True, exist_ok=True)
-    if mosaic.resolve() != run.folder.resolve():
+    if real_path(mosaic) != real_path(run.folder):
         run.at_end(partial(os.close, lock(mosaic)))
     write_text(mosaic / SIMULATED, f"{carrier}, seed {seed}\n")
     notes.print(f"simulated {carrier}, seed {seed}")

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from signum.common.errors import SignumError
-from signum.common.files import write_text
+from signum.common.files import real_path, write_text
 from signum.sources.open import split_topic
 
 SOURCES = "source", "left", "right"
@@ -149,7 +149,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 def move_aside(folder: Path) -> Path:
     """Rename a folder to the first free one of `NAME-1`, `NAME-2`, ...; returns the new path."""
-    real = folder.resolve()
+    real = real_path(folder)
     number = 1
     while (new := real.with_name(f"{real.name}-{number}")).exists():
         number += 1
@@ -163,7 +163,7 @@ def identity(source: str) -> str:
     try:
         file, topic = split_topic(source)
         if Path(file).exists():
-            return f"{Path(file).resolve()}{'#' if topic else ''}{topic}"
+            return f"{real_path(file)}{'#' if topic else ''}{topic}"
     except (OSError, ValueError):  # no name of a file
         pass
     return source.removeprefix("camera:")
@@ -182,7 +182,7 @@ def check_inputs(folder: Path, command: str, values: Mapping[str, object]) -> No
     """
     if not folder.is_dir():
         return
-    out, before = folder.resolve(), _read(folder / f"run-{command}.jsonl")
+    out, before = real_path(folder), _read(folder / f"run-{command}.jsonl")
     made = {out / name for name in before.made} if before else set()
     for name, value in values.items():
         if isinstance(value, str | Path):

@@ -80,6 +80,11 @@ def write_bytes(path: Path, data: bytes) -> None:
         half.write_bytes(data)
 
 
+def real_path(path: str | Path) -> Path:
+    """The whole path, links followed; of a loop of links, as far as it goes (`Path.resolve` fails there)."""
+    return Path(os.path.realpath(path))
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file as a whole, in UTF-8."""
     write_bytes(path, text.encode())

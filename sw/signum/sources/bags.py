@@ -144,5 +144,5 @@ def _ordered(messages: Iterator[Stamped], label: str) -> Iterator[Stamped]:
 
 def _stamp(message: Any) -> int:
     """Nanoseconds of a message's own time; 0 for none."""
-    stamp = message.timestamp if hasattr(message, "timestamp") else message.header.stamp
+    stamp = message.timestamp if hasattr(message, "timestamp") else getattr(message.header, "stamp", None)
     return int(stamp or 0) if isinstance(stamp, int | None) else int(stamp.sec) * 10**9 + int(stamp.nanosec)

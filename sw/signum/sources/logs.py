@@ -103,7 +103,8 @@ class _RosLog(Log):
         self._reader = reader
         self.topics = {}
         for c in reader.connections:
-            self.topics.setdefault(c.topic, Topic(c.topic, c.msgtype)).count += c.msgcount
+            count = c.msgcount if isinstance(c.msgcount, int) else 0  # of a damaged metadata.yaml
+            self.topics.setdefault(c.topic, Topic(c.topic, c.msgtype)).count += count
 
     def messages(self, topic: str) -> Iterator[tuple[int, Any]]:
         chosen = [c for c in self._reader.connections if c.topic == topic]

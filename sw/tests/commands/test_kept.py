@@ -316,3 +316,13 @@ def test_a_command_called_again_leaves_the_page_until_it_writes_it(tmp_path: Pat
         outputs.close()
         Outputs(tmp_path, "track").close()
         assert (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize("name", ["run.json", "poses.csv"])
+def test_a_loop_of_links_in_place_of_a_surveys_file(name: str, source: Path, tmp_path: Path) -> None:
+    out = tmp_path / "o"
+    assert _run("mosaic", source, "--window", "32", "--out", out).exit_code == 0
+    (out / name).unlink()
+    (out / name).symlink_to(out / name)
+    result = _run("mosaic", source, "--window", "32", "--out", out, "--resume")
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.output

@@ -180,7 +180,8 @@ class Campaign:
         case.victim = str(victim.relative_to(self.inputs / case.kind))
         if rng.random() < 0.06:
             self._lay(case, [])
-            case.about = f"{case.victim} is replaced: {replace(case.folder / 'in' / case.victim, rng)}"
+            way = replace(case.folder / "in" / case.victim, rng, case.kind != "folder")
+            case.about = f"{case.victim} is replaced: {way}"
             return
         case.edits = edits(victim.read_bytes(), rng)
         self._lay(case, case.edits)

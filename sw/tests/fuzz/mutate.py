@@ -86,9 +86,11 @@ def _places(size: int, rng: Random, count: int) -> list[int]:
     return [int(rng.integers(*spans[int(rng.integers(3))])) for _ in range(count)]
 
 
-def replace(path: Path, rng: Random) -> str:
-    """Put something else in a file's place; returns what."""
-    way = str(rng.choice(("empty", "pipe", "folder", "zero", "null", "gone", "loop", "locked")))
+def replace(path: Path, rng: Random, gone: bool = True) -> str:
+    """Put something else in a file's place; returns what. `gone`: whether nothing may be there, which for a picture of
+    a folder is no damage."""
+    ways = "empty", "pipe", "folder", "zero", "null", "gone", "loop", "locked"
+    way = str(rng.choice(ways if gone else [w for w in ways if w != "gone"]))
     raw = path.read_bytes()
     path.unlink()
     if way == "empty":

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -251,3 +252,13 @@ def test_a_chunk_too_large_to_decompress_is_refused_from_the_index_on(tmp_path: 
     monkeypatch.setattr(logs, "LARGEST_CHUNK", 100)
     with pytest.raises(SourceError, match=r"a chunk of \d+ bytes"):
         list(open_source(next(path.glob("*.mcap"))))
+
+
+def test_a_count_of_frames_that_is_no_number(tmp_path: Path) -> None:
+    path = _write(tmp_path, "sqlite3", {"/image": [_image("mono8", COLOUR[..., k]) for k in range(3)]})
+    about = path / "metadata.yaml"
+    text = about.read_text()
+    assert "message_count: 3" in text
+    about.write_text(text.replace("message_count: 3", "message_count: many"))
+    with contextlib.suppress(SourceError):
+        assert len(list(open_source(path))) == 3
