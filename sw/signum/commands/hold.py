@@ -221,7 +221,7 @@ def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> Ho
     run.page()
     record = HoldRecord(run.file("hold.csv").parent, truth, often)
     run.at_end(record.close)
-    run.measured = lambda: record.valid - 1
+    run.measured = lambda: max(record.valid - 1, 0)  # beyond the station itself
     run.summary = lambda: (f"{run.folder / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading"
                            f"{autopilot.said}; {run.folder / 'report.html'}")
     return record

@@ -54,11 +54,12 @@ def track(
         run.measured = lambda: found
         run.summary = lambda: (f"{output / 'track.csv'}: {run.done} frames, {measured} measurements, {valid} valid")
         for frame in run.steps("tracking", run.frames(), run.source.count):
+            before = set(missing)
             points = _shown(tracker.step(fit.show(frame.picture)), missing)
             for point in points:
                 table.write(track_row(frame, point, fit))
             drift.write(drift_row(frame, points, fit))
-            found += run.done > 0 and any(p.valid for p in points)
+            found += any(p.valid and p.feature in before for p in points)  # a new one is valid by itself
             run.refused.update(p.reason for p in points if not p.valid)
             measured, valid = measured + len(points), valid + sum(p.valid for p in points)
             run.report = run.report_folder

@@ -22,7 +22,7 @@ def sections(folder: Path) -> list[Section]:
     """The mosaic, its pose graph, how well the edges agree, and the errors where the truth is known."""
     edges = read_table(folder / "edges.csv", EDGES)
     files = sorted(folder.glob("poses*.csv"), key=lambda p: (len(p.stem), p.stem))
-    pieces = [read_table(file, tuple(name for name in POSES if name != "time_s")) for file in files]
+    pieces = [read_table(file, POSES) for file in files]
     accepted = edges.numbers("accepted") > 0
     kinds = edges.text.get("kind", ["sequence"] * edges.rows)
     lines = [("frames placed", str(sum(p.rows for p in pieces))), ("components", str(len(pieces)))]
