@@ -44,7 +44,7 @@ def _accesses(rng: random.Random, words: int, width: int, reads: str, peeks: str
 
 
 @cocotb.test()
-@cocotb.parametrize(reads=SHAPES, peeks=("none", "rare"))
+@cocotb.parametrize(reads=SHAPES, peeks=("none", "random", "rare"))
 async def every_clock(dut, reads: str, peeks: str) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
     values: set[int] = set()
