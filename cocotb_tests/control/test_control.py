@@ -2,6 +2,7 @@
 """`slog_control` against its cycle model on every clock."""
 
 import random
+from collections.abc import Callable
 
 import cocotb
 
@@ -11,6 +12,7 @@ from cocotb_tests.env.diagram import check_diagram
 from golden.cycle.control.control import ControlModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import CONFIGS
+from golden.traffic.lasting import lasting
 from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.registers.map import fields
 from sim.testbench.runner import AXI_PORTS, simulate
@@ -18,14 +20,15 @@ from sim.testbench.runner import AXI_PORTS, simulate
 CLOCKS = 6000
 
 
-def traffic(rng: random.Random, config: str, master: AxilMaster) -> Stimulus:
-    """Random accesses to the whole map, every input busy; the store answers peeks after random times."""
+def traffic(rng: random.Random, config: str, master: AxilMaster, enough: Callable[[], bool]) -> Stimulus:
+    """Random accesses to the whole map, every input busy, for as long as it takes; the store answers peeks after random
+    times."""
     c = CONFIGS[config]
     addresses = sorted({f.address for f in fields().values()} | {0x1C, 0x38, 0x88, 0xFC})
     commands = [f.address for name, f in fields().items() if name.endswith(".go") or name == "image_size.width"]
     peek: list[int] = []
     held: Inputs = {}
-    for t in range(CLOCKS):
+    for t in lasting(CLOCKS, 10 * CLOCKS, enough):
         if t % 701 == 0:
             master.write(fields()["irq_enable.drop"].address, rng.randrange(1, 16))
         if len(master.waiting) < 4:
@@ -105,7 +108,10 @@ async def every_clock(dut, shape: str, overlap: int) -> None:
         for name in seen:
             seen[name] += bool(out[name])
 
-    await check_cycles(dut, ControlModel(config, fields()), traffic(rng, config.name, master), count)
+    def enough() -> bool:
+        return master.finished > 120 and all(seen.values())
+
+    await check_cycles(dut, ControlModel(config, fields()), traffic(rng, config.name, master, enough), count)
     assert master.finished > 120
     assert all(seen.values()), [name for name, times in seen.items() if not times]
 

@@ -11,11 +11,11 @@ import cocotb
 import pytest
 
 from cocotb_tests.env.check import check_cycles
-from cocotb_tests.env.clocks import clocks
 from cocotb_tests.env.params import params
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.capture import CaptureModel
 from golden.cycle.store.capture_channel import HOPS
+from golden.traffic.lasting import lasting
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
@@ -89,7 +89,7 @@ def _frames_and_commands(rng: random.Random, p: dict[str, int], tight: bool, res
     feeds = [_camera(rng, rows, p["WordsPerRow"], bits, tight) for _ in range(cameras)]
     busy = 0
     out: Outputs = {"writing_o": 0}
-    for t in clocks(CLOCKS, 8 * CLOCKS, lambda: seen.enough(cameras)):
+    for t in lasting(CLOCKS, 8 * CLOCKS, lambda: seen.enough(cameras)):
         wires = [next(f) for f in feeds]
         if rng.random() < 0.05:
             busy = rng.getrandbits(8) & rng.getrandbits(8)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 
-def clocks(least: int, most: int, enough: Callable[[], bool]) -> Iterator[int]:
+def lasting(least: int, most: int, enough: Callable[[], bool]) -> Iterator[int]:
     """Numbers of clocks from 0: `least` of them, then on until `enough()`, but no more than `most`."""
     for t in range(most):
         if t >= least and enough():
