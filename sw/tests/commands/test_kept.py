@@ -144,7 +144,7 @@ def test_a_command_does_not_replace_what_it_reads(source: Path, tmp_path: Path,
         assert "flow.mp4: signum flow has made it, and would replace it" in _line(
             _run("flow", film, "--window", "32", "--out", out))
     assert _contents(out) == before
-    assert _run("track", "flow.mp4", "--window", "32", "--out", ".").exit_code == 0, "another command's"
+    assert _run("mosaic", "flow.mp4", "--window", "32", "--out", ".").exit_code == 0, "another command's"
     assert _run("filter", source / "0.png", "--out", out).exit_code == 0
     assert "sign.png: signum filter has made it" in _line(_run("filter", "sign.png", "--out", out))
 

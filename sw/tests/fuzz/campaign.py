@@ -21,7 +21,7 @@ import typer
 
 from signum.common.files import write_picture
 from tests.fuzz.child import sketch, start
-from tests.fuzz.corpus import KINDS, Kind, build
+from tests.fuzz.corpus import KINDS, SMALL, Kind, build
 from tests.fuzz.judge import FAILURES, Outcome, Rows, judge, tables
 from tests.fuzz.mutate import NAMES, Edit, arguments, edits, replace
 
@@ -81,8 +81,7 @@ class Campaign:
         build(self.inputs)
         self._warm()
         self._make("resume", [a.replace("--resume", "--anew") for a in KINDS["resume"].command])
-        self._make("report", ["track", "{in}/../npy/dive.npy", "--features", "4", "--window", "32", "--out",
-                              "{in}/track"])
+        self._make("report", ["track", "{in}/../npy/dive.npy", "--features", "6", *SMALL, "--out", "{in}/track"])
         self.good: dict[str, Rows] = {kind: self._undamaged(kind) for kind in kinds}
         self.outcomes: dict[str, Counter[Outcome]] = {kind: Counter() for kind in kinds}
         self.failures: list[Failure] = []

@@ -47,7 +47,7 @@ class Kind:
 
 
 FLOW = "flow", "--step", "64", *SMALL, "--out", "{out}"
-TRACK = "track", "--features", "4", *SMALL, "--out", "{out}"
+TRACK = "track", "--features", "6", *SMALL, "--out", "{out}"
 MOSAIC = "mosaic", "{in}/pictures", "--no-live", "--columns", "single", *SMALL, "--out"
 KINDS = {
     **{kind: Kind(("filter", f"{{in}}/a.{kind}", "--out", "{out}"), checksum=kind == "png", weight=3)
