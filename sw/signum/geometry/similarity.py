@@ -131,6 +131,11 @@ def vote(
     return Similarity(complex(factors[best]), complex(shifts[best])), agree[best]
 
 
+def least_squares(p: Floats, q: Floats) -> Similarity:
+    """The similarity p -> q of least squares, from two or more pairs that are all right; (n, 2) pixels."""
+    return _solve(_complex(p), _complex(q), np.ones(len(p)), True)
+
+
 def fit(p: Floats, q: Floats, start: Similarity, tolerance: float, max_rot_error_deg: float = 1.0) -> FitResult:
     """Least squares with Tukey weights from a good start, agreeing pairs chosen anew each round.
 

@@ -48,10 +48,11 @@ class Measurement:
 class View:
     """A frame's sign plane on the board, to be used with the `Measurer` that took it until it is released.
 
-    `frame_size` is (width, height), pixels.
+    `frame_size` is (width, height), pixels; `picture` is the frame as it was handed over, not a copy.
     """
 
     frame_size: tuple[int, int]
+    picture: Image = field(repr=False)
     _slot: int
     _owner: Measurer = field(repr=False)
     _texture: dict[tuple[int, int, int, int], float] = field(default_factory=dict, repr=False)
@@ -125,7 +126,7 @@ class Measurer:
         if not self._free:
             raise RuntimeError(f"all {board.config.slots} slots hold views: release one first")
         board.capture(self._free[0], frame, camera)
-        return View(self.size, self._free.pop(0), self)
+        return View(self.size, frame, self._free.pop(0), self)
 
     def pair(self, left: Image, right: Image) -> tuple[View, View]:
         """Capture two frames at the same time through cameras 0 and 1; otherwise as `view`."""
@@ -135,7 +136,7 @@ class Measurer:
         slots = self._free[0], self._free[1]
         board.capture_pair(slots, (left, right))
         del self._free[:2]
-        return View(self.size, slots[0], self), View(self.size, slots[1], self)
+        return View(self.size, left, slots[0], self), View(self.size, right, slots[1], self)
 
     def release(self, view: View) -> None:
         """Give a view's slot back; the view must not be used any more."""

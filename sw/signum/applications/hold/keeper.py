@@ -25,7 +25,11 @@ GYRO_SHARE = 0.03
 """Share of that difference by which the gyro's heading is corrected at every frame: a time constant of three seconds at
 ten frames a second."""
 SAFE_SHARE = 0.6
-"""Share of a reference's features in view below which a substitute is taken: the reference may soon leave the view."""
+"""Share of a reference in view, times that of its windows that agree, below which a substitute is taken: the reference
+may soon leave the view."""
+SOUGHT_SHARE = 0.35
+"""Share of the station in view by the substitute from which it is searched for in the whole view, where it is not found
+at its expected place."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +97,9 @@ class StationKeeper:
         level = sensed.level or UPRIGHT
         reading = self.meter.read(live, level, WIDEN_MOST_PX if self._gave_up else wide)
         offset = reading if reading.valid else self._by_substitute(live, sensed, wide)
+        if not reading.valid and (offset is None or self._gave_up or self.meter.in_sight() >= SOUGHT_SHARE):
+            sought = self.meter.seek(live, level)
+            reading, offset = (sought, sought) if sought.valid else (reading, offset)
         if offset is None:
             return reading, self._without_sight(live, sensed, heading, dt)
         self.blind = 0
@@ -159,16 +166,19 @@ class StationKeeper:
     def _renew_substitute(self, live: View, reading: Reading, offset: Reading, level: Level) -> None:
         """Take a substitute reference where the present one may soon leave the view, drop it where the station is well
         in view; release the view where it is not kept."""
-        if reading.valid and reading.agreed >= SAFE_SHARE * self.meter.offered:
+        if reading.valid and self._safe(self.meter, reading):
             self._drop_substitute()
             self.meter.measurer.release(live)
-        elif self._substitute is None or (not reading.valid
-                                          and offset.agreed < SAFE_SHARE * self._substitute[0].offered):
+        elif self._substitute is None or (not reading.valid and not self._safe(self._substitute[0], offset)):
             self._take_substitute(live, offset, level)
         else:
             self.meter.measurer.release(live)
         if reading.valid and self._substitute is not None:
             self._substitute[0].expect(reading.since(self._substitute[1]))
+
+    def _safe(self, meter: StationMeter, reading: Reading) -> bool:
+        """Whether a reference that has just been read will stay in view."""
+        return meter.in_sight() * reading.agreed >= SAFE_SHARE * reading.tried
 
     def _take_substitute(self, live: View, offset: Reading, level: Level) -> None:
         self._drop_substitute()

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from signum.applications.hold.fit_error import FitError
+from signum.applications.hold.ground_fit import RELIEF, SLOPE, fit_ground
 from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import Level, Reading
 from signum.applications.mavlink.sink import MavlinkSink
 from signum.boards.golden import GoldenBoard
-from signum.geometry.similarity import IDENTITY, Similarity, fit
+from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.measurer import Measurer
 
 from .ekf import LEAST_HZ, ExternalNav
@@ -101,18 +101,21 @@ def test_the_meter_counts_its_references() -> None:
 
 
 def test_the_stated_errors_are_those_of_the_fit() -> None:
-    """Against the scatter of 400 fits, of a similarity whose ground point lies outside the windows."""
-    rng = np.random.default_rng(5)
+    """Against the scatter of 400 fits over floors of random slope and height, where the ground point lies outside the
+    windows."""
+    rng, focal = np.random.default_rng(5), 300.0
     points = rng.uniform(-150, 100, (9, 2))
     true = Similarity.of(4.0, 0.9, (60.0, -35.0))
     places, turns, stated = [], [], []
     for _ in range(400):
-        found = true(points) + rng.normal(0, 0.5, points.shape)
-        got = fit(points, found, true, 40.0).similarity  # a tolerance at which Tukey's weights are all but equal
-        places.append(complex(-got.shift / got.factor) * abs(true.factor))
-        turns.append(np.angle(got.factor))
-        stated.append(FitError.of(points, found, got, 0.1))
+        height = rng.normal(0, RELIEF) + (points - points.mean(axis=0)) @ rng.normal(0, SLOPE, 2) / focal
+        found = true(points) + height[:, None] * [60.0, -35.0] + rng.normal(0, 0.5, points.shape)
+        got = fit_ground(points, found, true, focal, 40.0)  # a tolerance at which Tukey's weights are all but equal
+        places.append(complex(-got.similarity.shift / got.similarity.factor) * abs(true.factor))
+        turns.append(np.angle(got.similarity.factor))
+        stated.append(got.errors(0.1))
     scatter = np.sqrt((np.var(np.real(places)) + np.var(np.imag(places))) / 2)
-    assert np.sqrt(np.mean([s.shift_px**2 for s in stated])) == pytest.approx(scatter, rel=0.1)
-    assert np.sqrt(np.mean([s.turn**2 for s in stated])) == pytest.approx(np.std(turns), rel=0.1)
-    assert FitError.of(points, points, IDENTITY, 0.1).turn > 0, "never without an error"
+    turn, shift = np.sqrt(np.mean(np.square(stated), axis=0))
+    assert shift == pytest.approx(scatter, rel=0.1)
+    assert turn == pytest.approx(np.std(turns), rel=0.1)
+    assert min(fit_ground(points, points, IDENTITY, focal, 4.0).errors(0.1)) > 0, "never without an error"
