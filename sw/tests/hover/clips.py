@@ -137,33 +137,41 @@ def render(clip: Clip) -> Iterator[Moment]:
             light = other(pose)
         elif blind and clip.event == "occluded":
             light = np.full(SIZE[::-1], 100, np.float32) + np.linspace(0, 40, SIZE[0], dtype=np.float32)
-        yield Moment(spoil(light, rng, k / clip.frames if clip.murky else None), pose,
+        yield Moment(spoil(light, rng, _lamp(clip, k)), pose,
                      not (blind and clip.event in ("seabed", "occluded")))
 
 
-def spoil(light: Float, rng: np.random.Generator, part: float | None) -> Image:
-    """Figure 8: contrast, light and snow, then the sensor's noise; None for the noise only.
+def spoil(light: Float, rng: np.random.Generator, lamp: tuple[float, float] | None) -> Image:
+    """Figure 8: contrast, light and snow, then the sensor's noise.
 
     Args:
         light: (H, W) grey levels.
-        part: of the clip, over whose first two thirds the lamp's light falls to 35 %; in the corners, 35 % of that
-            are left for the half of the clips whose lamp is a spot.
+        lamp: light left in the corners and light left of the whole, 0..1; None for the noise only.
     """
-    if part is not None:
-        light = (128 + CONTRAST * (light - 128)) * _cone() * np.float32(1 - (1 - DIMMED) * min(1.0, 1.5 * part))
-        light = np.asarray(light, np.float32)
+    if lamp is not None:
+        light = np.asarray((128 + CONTRAST * (light - 128)) * _cone(lamp[0]) * np.float32(lamp[1]), np.float32)
         for y, x in zip(rng.integers(0, SIZE[1] - 2, SNOW), rng.integers(0, SIZE[0] - 2, SNOW), strict=True):
             light[y:y + 3, x:x + 3] = 255
     noisy = light + rng.standard_normal(light.shape, np.float32)
     return np.asarray(np.clip(np.rint(noisy), 0, 255), np.uint8)
 
 
-@lru_cache(maxsize=1)
-def _cone() -> Float:
-    """The paper's fall-off, to DIMMED in the corners."""
+def _lamp(clip: Clip, k: int) -> tuple[float, float] | None:
+    """Light left in the corners and of the whole, frame k: to DIMMED in the corners, or over two thirds of the clip of
+    the whole, or both, by the seed."""
+    if not clip.murky:
+        return None
+    kind = clip.seed % 3
+    fallen = 1 - (1 - DIMMED) * min(1.0, 1.5 * k / clip.frames)
+    return 1.0 if kind == 1 else DIMMED, 1.0 if kind == 0 else fallen
+
+
+@lru_cache(maxsize=2)
+def _cone(corner: float) -> Float:
+    """The paper's fall-off, to `corner` in the corners."""
     y, x = np.mgrid[:SIZE[1], :SIZE[0]] - (np.array(SIZE[::-1])[:, None, None] - 1) / 2
     beyond = np.clip(np.hypot(x, y) / (np.hypot(*SIZE) / 2) - 0.25, 0, None) / 0.75
-    return np.asarray(1 - (1 - DIMMED) * beyond**2, np.float32)
+    return np.asarray(1 - (1 - corner) * beyond**2, np.float32)
 
 
 @lru_cache(maxsize=16)
@@ -180,10 +188,11 @@ def _wheel(name: str, scale: int) -> Float:
 
 
 def _photo(name: str, seed: int) -> Callable[[Pose], Float]:
-    """A floor that is one photograph, enlarged four times, from a random place near its middle."""
-    photo = _wheel(name, 4)
+    """A floor that is one photograph, enlarged two, three or four times by the seed, from a random place near its
+    middle."""
+    photo = _wheel(name, 2 + seed // 3 % 3)
     rng = np.random.default_rng([seed, 13])
-    middle = complex(*(np.array(photo.shape[::-1]) / 2 + rng.uniform(-150, 150, 2)))
+    middle = complex(*(np.array(photo.shape[::-1]) / 2 + rng.uniform(-100, 100, 2)))
     turn = np.exp(1j * rng.uniform(0, 2 * np.pi))
     centre = complex(*((np.array(SIZE) - 1) / 2))
 

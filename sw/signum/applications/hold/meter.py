@@ -20,6 +20,7 @@ from __future__ import annotations
 import cmath
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from signum.applications.hold.evidence import log_false_alarms
@@ -28,12 +29,15 @@ from signum.applications.hold.level_camera import LevelCamera, inverse, moved
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
 from signum.applications.hold.reference import Reference, Warped
 from signum.applications.hold.search import WholeView
-from signum.common.arrays import Floats
+from signum.common.arrays import Floats, Image
 from signum.geometry.similarity import IDENTITY, Similarity, least_squares, vote
 from signum.measure.measurer import Measurer, Query, View
 from signum.measure.validity import Rules
 
-HOLD_RULES = Rules(min_score=0.6, min_margin=0.02, max_return_px=1.5)
+HOLD_RULES = Rules(min_score=0.56, min_margin=0.0, max_return_px=2.0, max_likeness=0.8)
+"""Of a window. They are loose: how often they let a wrong place pass is measured on the reference and reckoned with."""
+FLAKE = 5
+"""Side of the median filter that takes marine snow out of a picture, pixels."""
 TOLERANCE_PX = 4.0
 """Largest residual of a window that agrees with the common similarity, pixels; relief and viewing angle cause it."""
 MOST_TURN_DEG, MOST_ZOOM = 8.0, 1.15
@@ -91,7 +95,7 @@ class StationMeter:
         changes: of the reference view or its range since the first view.
     """
 
-    def __init__(self, measurer: Measurer, focal: float, range_m: float, window: int = 64, features: int = 24,
+    def __init__(self, measurer: Measurer, focal: float, range_m: float, window: int = 64, features: int = 48,
                  reach: int = 14) -> None:
         self.measurer, self.focal, self.range_m = measurer, focal, range_m
         self.window, self.features, self.reach = window, features, reach
@@ -119,6 +123,14 @@ class StationMeter:
         if self._reference is not None:
             self._reference.release()
             self._reference = None
+
+    def view(self, picture: Image) -> View:
+        """Take a picture, without its marine snow, for the other calls; the caller releases what is not kept.
+
+        Args:
+            picture: uint8 (height, width) of the measurer's size.
+        """
+        return self.measurer.view(np.asarray(cv2.medianBlur(picture, FLAKE), np.uint8))
 
     def anchor(self, view: View, level: Level = UPRIGHT) -> int:
         """Make a view the station's reference and keep it; returns its number of features.
@@ -154,7 +166,7 @@ class StationMeter:
         """Measure a live view near the predicted offset.
 
         Args:
-            live: of the same measurer.
+            live: of this meter.
             level: roll and pitch at the moment of the view.
             wide: pixels added to the search range, after readings have failed.
 

@@ -103,10 +103,10 @@ def simulate_hold(measurer: Callable[[tuple[int, int]], Measurer], scenario: Sce
         level = Level(roll, pitch, head.pan, head.tilt) if head else Level(roll, pitch)
         sensed = Sensed(level, float(vehicle.velocity[5] + rng.normal(0, s.rate_noise)))
         if keeper is None:
-            if meter.anchor(taken.view(shot.frame), level) < meter.least:
+            if meter.anchor(meter.view(shot.frame), level) < meter.least:
                 raise SignumError("the picture at the station offers too few features for station keeping")
             keeper = StationKeeper(meter)
-        reading, force = keeper.step(taken.view(shot.frame), sensed, dt)
+        reading, force = keeper.step(meter.view(shot.frame), sensed, dt)
         off = vehicle.position - home
         truth = (float(off[0]), float(off[1]), float(off[2]), float(vehicle.attitude[2]))
         yield Moment(k * dt, reading, truth, true_range - float(off[2]), shot.frame, meter.features_at(level),

@@ -77,11 +77,11 @@ def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit
         if keeper is None:
             if ranged and sensed.range_m is not None:
                 meter.range_m, ranged = sensed.range_m, False
-            if meter.anchor(measurer.view(picture), sensed.level or UPRIGHT) < meter.least:
+            if meter.anchor(meter.view(picture), sensed.level or UPRIGHT) < meter.least:
                 raise SourceError(f"frame {frame.name}: only {meter.offered} of the {meter.least} features needed: "
                                   "begin where the picture shows texture, or choose another --window or --sigma")
             keeper = StationKeeper(meter)
-        reading, _ = keeper.step(measurer.view(picture), sensed, time - last)
+        reading, _ = keeper.step(meter.view(picture), sensed, time - last)
         if ranged and reading.valid and sensed.range_m is not None:
             ratio, ranged = sensed.range_m / reading.range_m, False
             keeper.rescale(ratio)
