@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
@@ -122,6 +123,9 @@ def hold(
     sense: Annotated[bool | None, typer.Option(
         "--sense/--no-sense", rich_help_panel=AUTOPILOT, show_default="with a live source", help="Take roll, pitch, "
         "yaw rate and range of the vehicle from the link: to level, to predict, and instead of --range.")] = None,
+    follow_ground: Annotated[bool, typer.Option(
+        "--follow-ground", rich_help_panel=SOURCE, help="On a way: take another frame for the reference before the "
+        "present one leaves the view. Readings stay relative to the first frame; errors add up.")] = False,
     board: BoardOptions = BOARD_DEFAULTS,
     simulation: HoldWorld = WORLD_DEFAULTS,
 ) -> None:
@@ -133,13 +137,15 @@ def hold(
     if recorded.source is None and (board.window != BOARD_DEFAULTS.window or recorded.focal or recorded.calibration
                                     or recorded.rate):
         raise SignumError("--window, --focal, --calibration and --rate belong to a --source")
+    if follow_ground and recorded.source is None:
+        raise SignumError("--follow-ground belongs to a --source")
     if sense and (recorded.source is None or mavlink is None):
         raise SignumError("--sense belongs to a --source and to --mavlink")
     with Session("hold", board, output, recorded.source, recorded.calibration, recorded.rate) as run:
         sink = run.open(MavlinkSink(mavlink, message=message)) if mavlink is not None else None
         autopilot = Autopilot(sink, paced=not run.live, sensing=run.live if sense is None else sense)
         if recorded.source is not None:
-            _measure(run, recorded, seconds, range_m, autopilot)
+            _measure(run, recorded, seconds, range_m, autopilot, follow_ground)
         else:
             _fly(run, simulation.scenario(seconds or 60.0, range_m), autopilot)
 
@@ -175,7 +181,7 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
 
 
 def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m: float | None,
-             autopilot: Autopilot) -> None:
+             autopilot: Autopilot, follow_ground: bool) -> None:
     """Open loop, on frames from elsewhere."""
     sensors = Sensors(autopilot.at, ranged=range_m is None and autopilot.sensing)
     if sensors.ranged:
@@ -202,7 +208,7 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
 
     window = run.chosen.window
     seen_ones = watch_station(run.measurer(fit.board), run.frames(), fit, focal, range_m, rate, window, seconds,
-                              sensors)
+                              sensors, follow_ground)
     references = 0
     for seen in run.steps("measuring", seen_ones, total):
         record.add(seen.name, seen.time, seen.reading, seen.picture, seen.features, window)
@@ -212,6 +218,12 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
             references = seen.reading.reference
             notes.print(f"frame {seen.name}: range {seen.reading.range_m:.2f} m by the vehicle's range finder; metres "
                         "before this frame are by another")
+        if seen.anchored:
+            references += 1
+            notes.print(f"frame {seen.name}: the reference from here on, {seen.reading.forward:+.2f} m ahead, "
+                        f"{seen.reading.right:+.2f} m to the right; standard error so far "
+                        f"{100 * seen.reading.offset_error:.1f} cm, {math.degrees(seen.reading.heading_error):.2f} "
+                        "degrees")
         run.refused["no reading"] += not seen.reading.valid
         run.tell(_word(seen.reading))
 

@@ -20,11 +20,13 @@ FLOW = "frame_a", "frame_b", "time_s", "step_s", "x_px", "y_px", "dx_px", "dy_px
 time is frame b's, the step that from frame a to it."""
 DISPARITY = "frame", "time_s", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
 """`disparity.csv`: disparity and range at (x, y) of the rectified left frame; empty where not valid or not known."""
-HOLD = "frame", "time_s", "x_m", "y_m", "rot_deg", "scale", "range_m", "confidence", "agreed", "tried"
+HOLD = ("frame", "time_s", "x_m", "y_m", "rot_deg", "scale", "range_m", "confidence", "agreed", "tried", "error_m",
+        "reference")
 """`hold.csv`: seconds after the first frame; x ahead and y to the right of the station, rotation clockwise seen from
 above, scale and range of the paper's equations 6 and 7, empty where confidence is 0; confidence, 0..100, the share of
 the windows that agree in percent, less where their median score is below 0.75; windows that agree, and that were
-tried."""
+tried; standard error of x and of y, with all that adds up over changes of the reference, without that of the assumed
+range; number of changes of the reference, or of its range, so far. The last two are empty where confidence is 0."""
 HOLD_TRUTH = "true_x_m", "true_y_m", "true_rot_deg", "true_range_m"
 """`hold.csv` of a simulated hold: the truth, after the columns of HOLD."""
 FOLLOW = "frame", "time_s", "state", "x_px", "y_px", "width_px", "height_px", "windows", "range_m"

@@ -16,7 +16,7 @@ from signum.common.arrays import Floats
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame
 from signum.measure.measurer import Measurer
-from tests.hover.clips import BLIND, FOCAL, RANGE_M, RATE, SIZE, Clip, Moment, render
+from tests.hover.clips import FOCAL, RANGE_M, RATE, SIZE, Clip, Moment, render
 
 SIGMA, WINDOW = 2.0, 64
 """The defaults of `signum hold`."""
@@ -93,11 +93,12 @@ def measure(board: Board, clip: Clip) -> Figures:
             break
         seen.append(one)
         spent.append(1e3 * (time.process_time() - begun))
-    return judge(moments, seen, spent)
+    return judge(moments, seen, spent, clip.blind[0])
 
 
-def judge(moments: Sequence[Moment], seen: Sequence[StationFrame], spent_ms: Sequence[float]) -> Figures:
-    """Figures of a clip; the first frame, which is the reference, is left out."""
+def judge(moments: Sequence[Moment], seen: Sequence[StationFrame], spent_ms: Sequence[float],
+          begin: int) -> Figures:
+    """Figures of a clip whose disturbance begins with frame `begin`; the first frame, the reference, is left out."""
     out = Figures()
     since: int | None = None
     for k, (moment, one) in enumerate(zip(moments, seen, strict=True)):
@@ -116,7 +117,7 @@ def judge(moments: Sequence[Moment], seen: Sequence[StationFrame], spent_ms: Seq
             if k and due:
                 out.good += bool((misses <= GOOD).all())
                 out.worst = np.maximum(out.worst, misses)
-        lost = k >= BLIND[0] and not due
+        lost = k >= begin and not due
         if lost:
             since = None
         elif since is None and k and not _was_due(moments, k - 1):

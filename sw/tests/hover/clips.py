@@ -32,6 +32,10 @@ CONTRAST, SNOW, DIMMED = 0.25, 250, 0.35
 """Figure 8: contrast left, snow flakes; and the light that is left in the corners, or at the end of a clip."""
 BLIND = (60, 90)
 """Frames in which a disturbed clip shows something else, or its vehicle is away: 3 s."""
+PUSH_FRAMES = 12
+"""Frames in which a push takes the vehicle away, and in which it returns."""
+FLOORS = ("gravel", "grass", "brick", "coins", "moon", "world:gravel", "world:grass", "world:brick")
+"""Floors of `make hover`."""
 EVENTS = ("drift", "occluded", "pushed", "seabed", "jump")
 """What happens in a clip besides its motion."""
 
@@ -80,6 +84,7 @@ class Clip:
         seed: of the motion, the snow and the noise.
         frames: their number.
         murky: whether the view is degraded; else it has the sensor's noise only.
+        blind: frames in which it shows something else, or its vehicle is away.
     """
 
     floor: str
@@ -87,6 +92,7 @@ class Clip:
     seed: int
     frames: int = 150
     murky: bool = True
+    blind: tuple[int, int] = BLIND
 
     @property
     def name(self) -> str:
@@ -109,11 +115,11 @@ def path(clip: Clip) -> list[Pose]:
 
     right, back = sway(0.5), sway(0.4)
     heading, ranged = sway(np.radians(YAW_DEG)), RANGE_M * (1 + sway(RANGE_SHARE))
-    begin, end = BLIND
+    begin, end = clip.blind
     if clip.event == "pushed":
         way = rng.uniform(0, 2 * np.pi)
         view = np.array(SIZE) * RANGE_M / FOCAL
-        ramp = np.interp(np.arange(clip.frames), [begin - 12, begin, end, end + 12], [0, 1, 1, 0])
+        ramp = np.interp(np.arange(clip.frames), [begin - PUSH_FRAMES, begin, end, end + PUSH_FRAMES], [0, 1, 1, 0])
         right, back = right + 1.3 * view[0] * np.cos(way) * ramp, back + 1.3 * view[1] * np.sin(way) * ramp
     if clip.event == "jump":
         for at in range(20, clip.frames, 25):
@@ -129,7 +135,7 @@ def render(clip: Clip) -> Iterator[Moment]:
     others = [name for name in PHOTOS if name not in clip.floor]
     other = _photo(others[clip.seed % len(others)], clip.seed + 1)
     rng = np.random.default_rng([clip.seed, 12])
-    begin, end = BLIND
+    begin, end = clip.blind
     for k, pose in enumerate(path(clip)):
         blind = begin <= k < end
         light = look(pose)

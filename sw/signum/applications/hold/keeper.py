@@ -117,6 +117,20 @@ class StationKeeper:
             meter.rescale(ratio)
             self._substitute = meter, base.scaled(ratio)
 
+    def move(self, view: View, level: Level, range_m: float) -> None:
+        """Make a view the station; readings are relative to it from now on.
+
+        Args:
+            view: the keeper keeps it.
+            level: at the moment of the view.
+            range_m: at that moment, metres.
+        """
+        self._drop_substitute()
+        self.meter.range_m = range_m
+        self.meter.anchor(view, level)
+        self._offset = Reading(range_m=range_m)
+        self.blind, self._gave_up, self._by_gyro = 0, False, 0.0
+
     def _without_sight(self, live: View, sensed: Sensed, heading: float, dt: float) -> Floats:
         """Forces for a view in which neither reference is found."""
         yaw_rate = sensed.yaw_rate or 0.0

@@ -47,7 +47,7 @@ FALSE_ALARMS = -7.0
 nothing of the reference, chance is believed once in 12 days."""
 RIVAL_DEVIATIONS = 5.0
 """Standard errors by which the agreeing windows' mean score must exceed that of other places."""
-MAX_TURN_ERROR = 0.01
+MAX_TURN_ERROR = 0.008
 """Standard error of the fitted rotation, radians, above which a reading has no confidence."""
 MAX_SHIFT_ERROR = 0.008
 """Standard error of the fitted offset, as a share of the range, above which a reading has no confidence."""

@@ -22,7 +22,8 @@ def hold_row(frame: str, time: float, r: Reading) -> list[object]:
     """A row of `hold.csv`."""
     figures = [f"{r.forward:.5f}", f"{r.right:.5f}", f"{math.degrees(r.heading):.4f}", f"{r.zoom:.6f}",
                f"{r.range_m:.5f}"] if r.valid else [""] * 5
-    return [frame, f"{time:.3f}", *figures, r.confidence, r.agreed, r.tried]
+    return [frame, f"{time:.3f}", *figures, r.confidence, r.agreed, r.tried, f"{r.offset_error:.5f}" if r.valid else "",
+            r.reference if r.valid else ""]
 
 
 def draw_reading(picture: Image, reading: Reading, features: Floats, window: int, words: str = "") -> Image:

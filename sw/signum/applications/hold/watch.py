@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from signum.applications.hold.keeper import Sensed, StationKeeper
 from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import UPRIGHT, Reading
+from signum.applications.hold.transit import LEAVING, Transit
 from signum.common.arrays import Floats, Image
 from signum.common.errors import SourceError
 from signum.frames.fit import Fit
@@ -18,13 +19,15 @@ from signum.measure.measurer import Measurer
 
 @dataclass(frozen=True, eq=False)
 class StationFrame:
-    """A frame's reading; picture and features (n, 2) in the board's pixels."""
+    """A frame's reading; picture and features (n, 2) in the board's pixels; whether this frame becomes the reference of
+    those after it."""
 
     name: str
     time: float
     reading: Reading
     picture: Image
     features: Floats
+    anchored: bool = False
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,8 @@ NO_SENSORS = Sensors()
 
 
 def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit, focal: float, range_m: float,
-                  rate: float, window: int = 64, seconds: float | None = None, sensors: Sensors = NO_SENSORS
-                  ) -> Iterator[StationFrame]:
+                  rate: float, window: int = 64, seconds: float | None = None, sensors: Sensors = NO_SENSORS,
+                  follow_ground: bool = False) -> Iterator[StationFrame]:
     """Measure frames against the first of them.
 
     Meter and search are those of the closed loop. Control forces are computed and discarded. Without an attitude sensor
@@ -59,6 +62,8 @@ def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit
         rate: frames per second, where frames have no times.
         seconds: after the first frame at which to end, None for never.
         sensors: of the vehicle.
+        follow_ground: whether another frame becomes the reference where the present one is about to leave the view;
+            readings stay relative to the first frame, with errors that add up.
 
     Raises:
         SourceError: if the first frame has too little texture.
@@ -81,10 +86,16 @@ def watch_station(measurer: Measurer, frames: Iterator[Frame] | Source, fit: Fit
                 raise SourceError(f"frame {frame.name}: only {meter.offered} of the {meter.least} features needed: "
                                   "begin where the picture shows texture, or choose another --window or --sigma")
             keeper = StationKeeper(meter)
+            transit = Transit(meter.range_m)
         reading, _ = keeper.step(meter.view(picture), sensed, time - last)
         if ranged and reading.valid and sensed.range_m is not None:
             ratio, ranged = sensed.range_m / reading.range_m, False
             keeper.rescale(ratio)
+            transit.rescale(ratio)
             reading = replace(reading.scaled(ratio), reference=meter.changes)
-        last = time
-        yield StationFrame(frame.name, time, reading, picture, meter.features_at(sensed.level or UPRIGHT))
+        last, features = time, meter.features_at(sensed.level or UPRIGHT)
+        leaving = follow_ground and reading.valid and meter.in_sight() < LEAVING
+        if leaving:
+            keeper.move(meter.view(picture), sensed.level or UPRIGHT, reading.range_m)
+        whole = transit.change(reading) if leaving else transit.whole(reading)
+        yield StationFrame(frame.name, time, whole, picture, features, leaving)
