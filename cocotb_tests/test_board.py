@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import cocotb
 import numpy as np
+import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.host import Host, Script
@@ -309,10 +310,12 @@ async def access_during_work(dut) -> None:
     await _scenario(dut, _accesses, video="cyclic", sink="long", bus="random")
 
 
+@pytest.mark.slow
 def test_board() -> None:
     simulate("slog_board", __name__, ports=AXI_PORTS)
 
 
+@pytest.mark.slow
 def test_board_with_gated_clocks() -> None:
     """Stopping the clocks of idle blocks, as the fast build does, changes no output."""
     simulate("slog_board", __name__, ports=AXI_PORTS, defines={"SLOG_CLOCK_GATE": "1"},
