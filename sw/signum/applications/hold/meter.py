@@ -18,6 +18,7 @@ than they match other places of this very reference, and if their spread fixes t
 from __future__ import annotations
 
 import cmath
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -56,8 +57,16 @@ LEAST_NOISE_PX = 1.0
 LEAST_FIT_PX = 0.1
 """Lower bound of the residual in the errors that a reading states, pixels: what a single window is good for."""
 LEAST_SHARE = 0.5
-"""Least share that must agree of the windows that are found anywhere; and, of a reference that was lost, of all windows
-in sight: where a floor repeats itself, a wrong place matches in part."""
+"""Least share that must agree of the windows that are found anywhere."""
+WHOLE_SHARE = 0.8
+"""Where the whole view was searched, least share that must agree of the windows that should, by the scores of those
+that do: where a part of the floor recurs elsewhere, its windows match there as well as ever, and the others not at all.
+"""
+LEAST_SPREAD = 0.03
+"""Lower bound of the standard deviation of agreeing windows' scores."""
+QUICK, QUICK_SHARE, QUICK_TURN = 24, 0.9, 0.0005
+"""Number of windows that are searched for first; if no less than this share of them agree, and the rotation's standard
+error is below this, radians, the others are left out."""
 SEEK_PX = 18
 """Half side of the search range around a place that the search of the whole view proposes, pixels."""
 LOOKS = 2
@@ -74,6 +83,7 @@ class _Match:
     similarity: Similarity = IDENTITY
     score: float = 0.0
     sure: bool = False
+    due: float = 1.0
     turn_error: float = 0.0
     shift_error: float = 0.0
 
@@ -176,7 +186,10 @@ class StationMeter:
         reference = self._anchored()
         predicted = Similarity(self._last.factor, self._last.shift + self._drift)
         onto = self.camera.onto(predicted, reference.level, level)
-        match = self._matched(reference, reference.turn_to(onto), onto, live, level, self.reach + wide)
+        warped = reference.turn_to(onto)
+        match = self._match(reference, warped.first(QUICK), onto, live, level, self.reach + wide)
+        if not match.sure or match.agreed < QUICK_SHARE * match.tried or match.turn_error > QUICK_TURN:
+            match = self._matched(reference, warped, onto, live, level, self.reach + wide)
         if not match.sure:
             self._drift = 0j
             return Reading(agreed=match.agreed, tried=match.tried)
@@ -199,7 +212,7 @@ class StationMeter:
             about = Similarity(1, centre) @ candidate.similarity @ Similarity(1, -centre)
             onto = np.vstack([about.matrix, [0, 0, 1]])
             match = self._matched(reference, reference.warp(onto), onto, live, level, SEEK_PX)
-            if match.sure and match.agreed >= LEAST_SHARE * match.tried:
+            if match.sure and match.agreed >= WHOLE_SHARE * match.due * match.tried:
                 found.append(match)
         if not found or any(self._apart(found[0], other) for other in found[1:]):
             return Reading(agreed=match.agreed, tried=match.tried)
@@ -272,7 +285,9 @@ class StationMeter:
         turn, shift = result.errors(LEAST_NOISE_PX)
         sure = (chance <= FALSE_ALARMS and agreed >= LEAST_SHARE * len(keep) and turn <= MAX_TURN_ERROR
                 and shift <= MAX_SHIFT_ERROR * self.focal and reference.rivals.exceeded_by(scores, RIVAL_DEVIATIONS))
-        return _Match(tried, agreed, result.similarity, float(np.median(scores)), sure, *result.errors(LEAST_FIT_PX))
+        due = _above(max(reference.rivals.mean, HOLD_RULES.min_score), scores)
+        return _Match(tried, agreed, result.similarity, float(np.median(scores)), sure, due,
+                      *result.errors(LEAST_FIT_PX))
 
     def _apart(self, one: _Match, other: _Match) -> bool:
         """Whether two matches are of different places."""
@@ -299,3 +314,9 @@ class StationMeter:
     def _visible(self, points: Floats) -> Floats:
         half = self.window / 2
         return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
+
+
+def _above(floor: float, scores: Floats) -> float:
+    """Share of a normal distribution with the mean and deviation of scores (n,) that lies above `floor`."""
+    deviations = (float(scores.mean()) - floor) / max(float(scores.std()), LEAST_SPREAD)
+    return 0.5 * (1 + math.erf(deviations / math.sqrt(2)))

@@ -9,7 +9,7 @@ where they lie in the warped one, and all of them in the part of the reference t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import cv2
@@ -23,9 +23,9 @@ from signum.measure.measurer import Measurer, Query, View
 from signum.measure.validity import Rules
 
 Integers = NDArray[np.int64]
-STRAY = 0.02
+STRAY = 0.03
 """Largest difference in rotation (radians) and scale between the motion and the warp."""
-STRAY_PX = 48.0
+STRAY_PX = 64.0
 """Largest difference in translation, pixels: beyond it, the warp leaves out too much of what is in sight."""
 CELL = 8
 """Side of the cells by which overlapping windows are counted, pixels."""
@@ -52,6 +52,10 @@ class Warped:
     centres: Integers
     anchors: Floats
     share: float
+
+    def first(self, count: int) -> Warped:
+        """With the first `count` of its windows only; they are spread over what is in sight."""
+        return replace(self, centres=self.centres[:count], anchors=self.anchors[:count])
 
 
 class Rivals(NamedTuple):
@@ -190,11 +194,11 @@ class Reference:
 def _spread(order: NDArray[np.intp], places: Integers, count: int) -> NDArray[np.intp]:
     """The first of `order`, then repeatedly that of the better three quarters farthest from those chosen."""
     pool = order[:max(count, (len(order) * 3) // 4)]
-    if len(pool) <= count:
+    if not len(pool):
         return pool
     at = places[pool].astype(np.float64)
     chosen, nearest = [0], np.hypot(*(at - at[0]).T)
-    while len(chosen) < count:
+    while len(chosen) < min(count, len(pool)):
         chosen.append(int(np.argmax(nearest)))
         nearest = np.minimum(nearest, np.hypot(*(at - at[chosen[-1]]).T))
     return pool[chosen]

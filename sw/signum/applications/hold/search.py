@@ -37,7 +37,7 @@ STEP_DEG, STEP_SCALE = 8.0, 1.15
 """Steps of the variants; a variant's windows are still found half of both away from it."""
 NEAR = 3, 1
 """Steps of rotation and of scale, from those last known, of the variants that are tried again and again."""
-FAR = 22, 2
+FAR = 11, 2
 """The same of all variants; those that are not near take turns, half as many as the near ones each time."""
 BUDGET = 8
 """Variants tried in a frame: about 3 ms each on the golden board."""
