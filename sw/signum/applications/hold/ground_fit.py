@@ -35,6 +35,7 @@ class GroundFit:
     """A fit.
 
     Attributes:
+        points: (n, 2) pixels p.
         similarity: p -> q.
         agree: bool (n,), the pairs within the tolerance.
         misses: (n,) distances from the fit, pixels.
@@ -42,11 +43,17 @@ class GroundFit:
         spread: (6, 6) covariance of F, t (real and imaginary) and the slope for noise of one pixel, with the prior.
     """
 
+    points: Floats
     similarity: Similarity
     agree: NDArray[np.bool_]
     misses: Floats
     noise: float
     spread: Floats
+
+    def sloping(self, focal: float) -> bool:
+        """Whether a slope could move the windows by a pixel, as far as they lie from one another."""
+        extent = float(np.hypot(*np.ptp(self.points, axis=0))) / 2
+        return abs(self.similarity.shift) * SLOPE * extent / focal > 1
 
     def errors(self, least_px: float) -> tuple[float, float]:
         """Standard errors: of the rotation, radians, and of the scale as a share; of -t / F, the camera's place on the
@@ -94,7 +101,7 @@ def fit_ground(p: Floats, q: Floats, start: Similarity, focal: float, tolerance:
     misses = np.hypot(*(q - rows @ unknown).T)
     agree = misses <= tolerance
     found = Similarity(complex(unknown[0], unknown[1]), complex(unknown[2], unknown[3]))
-    return GroundFit(found, agree, misses, noise, spread)
+    return GroundFit(p, found, agree, misses, noise, spread)
 
 
 def _rows(p: Floats, shift: complex, middle: Floats, focal: float) -> Floats:

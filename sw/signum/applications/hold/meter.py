@@ -48,7 +48,7 @@ FALSE_ALARMS = -7.0
 nothing of the reference, chance is believed once in 12 days."""
 RIVAL_DEVIATIONS = 5.0
 """Standard errors by which the agreeing windows' mean score must exceed that of other places."""
-MAX_TURN_ERROR = 0.008
+MAX_TURN_ERROR = 0.01
 """Standard error of the fitted rotation, radians, above which a reading has no confidence."""
 MAX_SHIFT_ERROR = 0.008
 """Standard error of the fitted offset, as a share of the range, above which a reading has no confidence."""
@@ -280,8 +280,9 @@ class StationMeter:
         if agreed < 3:
             return _Match(tried, agreed)
         scores = np.array([answers[i].score for i in keep])[result.agree]
-        chance = log_false_alarms(result.misses, len(answers), (2 * reach + 1) ** 2, reference.rivals.valid,
-                                  warped.share, 3)
+        chance = log_false_alarms(result.misses, len(answers), (2 * reach + 1) ** 2,
+                                  reference.rivals.passing(float(np.quantile(scores, 0.25))), warped.share,
+                                  3 if result.sloping(self.focal) else 2)
         turn, shift = result.errors(LEAST_NOISE_PX)
         sure = (chance <= FALSE_ALARMS and agreed >= LEAST_SHARE * len(keep) and turn <= MAX_TURN_ERROR
                 and shift <= MAX_SHIFT_ERROR * self.focal and reference.rivals.exceeded_by(scores, RIVAL_DEVIATIONS))

@@ -29,6 +29,8 @@ STRAY_PX = 64.0
 """Largest difference in translation, pixels: beyond it, the warp leaves out too much of what is in sight."""
 CELL = 8
 """Side of the cells by which overlapping windows are counted, pixels."""
+LEAST_PASSING = 0.01
+"""Lower bound of the probability of a score elsewhere: no more than a hundred places of a reference are tried."""
 LEAST_DEVIATION = 0.01
 """Lower bound of the deviation of scores elsewhere: that of a few windows may be small by chance."""
 FEW = 20
@@ -69,6 +71,11 @@ class Rivals(NamedTuple):
     valid: float
     mean: float
     deviation: float
+
+    def passing(self, score: float) -> float:
+        """Probability that a window's measurement elsewhere is valid and scores as well, as far as these show."""
+        deviations = (score - self.mean) / self.deviation
+        return self.valid * max(LEAST_PASSING, 0.5 * math.erfc(deviations / math.sqrt(2)))
 
     def exceeded_by(self, scores: Floats, deviations: float) -> bool:
         """Whether scores (n,) of windows at one place exceed these by as many standard errors of their mean."""
