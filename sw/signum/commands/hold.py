@@ -58,7 +58,8 @@ class HoldSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames to measure "
-        "instead: video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.")] = None
+        "instead: video, folder of pictures, ROS bag, .npy array, camera number, stream (udp://:5600, rtsp://, http://) "
+        "or world:NAME=VALUE.")] = None
     calibration: CalibrationOption = None
     focal: FocalOption = None
     rate: Annotated[float | None, typer.Option(

@@ -19,6 +19,7 @@ from pathlib import Path, PurePosixPath
 
 from signum.common.errors import SignumError
 from signum.common.files import real_path, write_text
+from signum.common.urls import without_secrets
 from signum.sources.open import split_topic
 
 SOURCES = "source", "left", "right"
@@ -159,14 +160,14 @@ def move_aside(folder: Path) -> Path:
 
 def identity(source: str) -> str:
     """A source as the user named it, whatever the spelling: whole path of a file, with the topic of a bag; a camera or
-    the simulated world as it is."""
+    the simulated world as it is, a stream without its password."""
     try:
         file, topic = split_topic(source)
         if Path(file).exists():
             return f"{real_path(file)}{'#' if topic else ''}{topic}"
     except (OSError, ValueError):  # no name of a file
         pass
-    return source.removeprefix("camera:")
+    return without_secrets(source.removeprefix("camera:"))
 
 
 def check_inputs(folder: Path, command: str, values: Mapping[str, object]) -> None:
