@@ -29,6 +29,10 @@ from signum.sources.live import LiveSource
 
 QUIET_S = 5.0
 """Silence after which a stream counts as stopped, seconds; also the longest wait for a connection."""
+STALE_S = 0.05
+"""Age from which a picture is passed over where the next one is there already, seconds: the reader was held up."""
+READY_S = 0.002
+"""Time within which a packet comes that was there already, seconds."""
 AGAIN_S = 0.5
 """Pause before a stream is connected to again, seconds."""
 PROTOCOLS = "rtsp,rtsps,rtp,tcp,udp,http,https,tls,crypto,httpproxy"
@@ -45,8 +49,8 @@ class StreamSource(LiveSource):
     leave_s = 0.5  # FFmpeg may wait for the network; a run that is stopped does not wait for it
 
     @abstractmethod
-    def _pictures(self) -> Iterator[tuple[float, VideoFrame]]:
-        """Time of arrival and picture, of one connection, until it ends.
+    def _pictures(self) -> Iterator[tuple[float, VideoFrame | None]]:
+        """Time of arrival and picture, of one connection, until it ends; no picture where it is passed over.
 
         Raises:
             FFmpegError: OSError: if there is no connection, or it breaks.
@@ -62,7 +66,10 @@ class StreamSource(LiveSource):
             lost_at = done
             try:
                 for came, picture in self._pictures():
-                    yield Frame(str(done), picture_of(picture, f"{self.label}: frame {done}"), came)
+                    if picture is None:
+                        self.skipped += 1
+                    else:
+                        yield Frame(str(done), picture_of(picture, f"{self.label}: frame {done}"), came)
                     done += 1
                 reason = "it ended"
             except (FFmpegError, OSError) as error:
@@ -91,7 +98,7 @@ class AvSource(StreamSource):
         kind = "device" if self.kind else "rtsp" if self.address.lower().startswith("rtsp") else "http"
         return SourceError(f"{self.label}: cannot be opened ({reason}); {REMEDY[kind]}")
 
-    def _pictures(self) -> Iterator[tuple[float, VideoFrame]]:
+    def _pictures(self) -> Iterator[tuple[float, VideoFrame | None]]:
         # Little is read before the first picture. RTSP comes by TCP, which loses nothing: of a picture with parts of it
         # missing FFmpeg would make one up.
         options = {} if self.kind else {
@@ -106,14 +113,36 @@ class AvSource(StreamSource):
             # Of RTSP FFmpeg's parser gives a picture when the next one begins: one period after it came itself.
             late = self.kind is None and container.format.name == "rtsp" and stream.codec_context.name in PARSED
             begun: float | None = None
+            waiting = Backlog()
             for packet in container.demux(stream):
                 came = now = time.monotonic()
                 if late:
                     came, begun = begun or now, now
                 if self.stopping.is_set():
                     return
+                stale = waiting.is_stale(packet.pts and float(packet.pts * packet.time_base), now)
                 for picture in decoded(stream.codec_context, packet, self.label):
-                    yield came, picture
+                    yield came, None if stale else picture
+                waiting.asked = time.monotonic()
+
+
+class Backlog:
+    """Tells packets that were waiting while the reader was held up from those that just came.
+
+    Attributes:
+        asked: when the next packet was asked for, seconds on the monotonic clock.
+    """
+
+    def __init__(self) -> None:
+        self.asked = 0.0
+        self._least: float | None = None
+
+    def is_stale(self, stamp: float | None, now: float) -> bool:
+        """Whether a packet with a time stamp, seconds, came late and others are likely to wait behind it."""
+        if stamp is None:
+            return False
+        self._least = now - stamp if self._least is None else min(self._least, now - stamp)
+        return now - self.asked < READY_S and now - stamp - self._least > STALE_S
 
 
 def hurry(context: VideoCodecContext) -> VideoCodecContext:

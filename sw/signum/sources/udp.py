@@ -10,6 +10,7 @@ import socket
 import struct
 import time
 from collections.abc import Iterator
+from select import select
 
 import av
 from av.video.codeccontext import VideoCodecContext
@@ -17,7 +18,7 @@ from av.video.frame import VideoFrame
 
 from signum.common.errors import SourceError
 from signum.sources.rtp import InOrder, Pictures, Unit, parse
-from signum.sources.stream import QUIET_S, StreamSource, decoded, hurry
+from signum.sources.stream import QUIET_S, STALE_S, StreamSource, decoded, hurry
 
 FIRST_S = 15.0
 """Longest wait for a first picture, seconds."""
@@ -53,7 +54,7 @@ class UdpSource(StreamSource):
     def _refused(self, reason: str) -> SourceError:
         return SourceError(f"{self.label}: {reason}")
 
-    def _pictures(self) -> Iterator[tuple[float, VideoFrame]]:
+    def _pictures(self) -> Iterator[tuple[float, VideoFrame | None]]:
         with self._listening() as port:
             yield from self._decoded(port)
 
@@ -88,7 +89,7 @@ class UdpSource(StreamSource):
             raise OSError(f"{error.strerror}; {remedy.get(error.errno or 0, 'mend the address')}") from error
         return port
 
-    def _decoded(self, port: socket.socket) -> Iterator[tuple[float, VideoFrame]]:
+    def _decoded(self, port: socket.socket) -> Iterator[tuple[float, VideoFrame | None]]:
         order, pictures, decoder = InOrder(), Pictures(), UnitDecoder(self.label)
         seen, video, last = False, False, b""
         began = heard = time.monotonic()
@@ -103,7 +104,8 @@ class UdpSource(StreamSource):
             for unit in (unit for one in packets for unit in pictures(one)):
                 for picture in decoder(unit):
                     seen = True
-                    yield unit.came, picture
+                    stale = time.monotonic() - unit.came > STALE_S and select([port], [], [], 0)[0]
+                    yield unit.came, None if stale else picture
             self.lost = order.lost
             now = time.monotonic()
             if seen and now - heard > QUIET_S:

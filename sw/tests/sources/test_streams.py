@@ -202,6 +202,24 @@ def test_slow_work_gets_new_frames_of_a_stream(film: list[bytes]) -> None:
     assert source.oldest_s < 2 / RATE + 0.1, "0.1 s for a busy machine"
 
 
+@pytest.mark.parametrize("way", ["udp", "rtsp"])
+def test_what_waited_while_the_reader_was_held_up_is_passed_over(film: list[bytes], way: str) -> None:
+    """For half a second the reader does nothing; the next frame that it gives is new all the same."""
+    port, camera = free_port(), RtspCamera(film, rate=RATE) if way == "rtsp" else None
+    source = open_source(camera.url if camera else f"udp://{HOST}:{port}")
+    assert isinstance(source, LiveSource)
+    with running(*((camera,) if camera else (send, port, cameras.packets(film, RATE), RATE, 0.1))):
+        frames = source._arrivals()
+        before = [next(frames) for _ in range(5)][-1]
+        time.sleep(0.5)
+        after = next(frames)
+        late = (camera.sent_at[-1] if camera else time.monotonic()) - (after.time_s or 0.0)
+        source.stopping.set()
+        frames.close()  # type: ignore[attr-defined]
+    assert late < 0.1 and 0.4 < (after.time_s or 0.0) - (before.time_s or 0.0) < 0.7
+    assert source.skipped == int(after.name) - int(before.name) - 1 > 15
+
+
 def test_the_limit_of_a_pictures_size_holds_in_the_readers_thread(film: list[bytes], tmp_path: Path) -> None:
     camera = RtspCamera(film, rate=RATE)
     with running(camera):
