@@ -134,6 +134,16 @@ def test_every_frame_lies_where_the_log_has_it(made: Made, out: Path, kind: str,
     assert _found(out / "mosaic.tif", east, north) <= 1
 
 
+def test_the_verilated_board_lays_it_by_time_too(made: Made, tmp_path: Path) -> None:
+    """The same edges, and the same places in the GeoTIFF, by a log with times."""
+    out = tmp_path / "out"
+    result = _mosaic(made.frames, "--navigation", _log(tmp_path / "n.csv", *_rows("time")), "--epsg", "32755", "--rate",
+                     "10", "--start", "10000", "--board", "verilated", "--out", out)
+    assert result.exit_code == 0, result.output
+    assert (out / "edges.csv").read_text() == (made.out / "edges.csv").read_text()
+    assert _found(out / "mosaic.tif", EAST, NORTH) <= 1
+
+
 @pytest.mark.parametrize(("kind", "options", "says"), [
     ("wrong degrees", (), "east_m and north_m look like degrees"),
     ("wrong degrees", ("--epsg", "32755"), "east_m and north_m look like degrees"),
