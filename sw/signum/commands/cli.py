@@ -11,8 +11,8 @@ import typer
 from signum.commands.app import app
 from signum.commands.signals import listen
 
-COMMANDS = ("calibrate", "demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate",
-            "stereo", "track")
+COMMANDS = ("calibrate", "demo", "export", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report",
+            "simulate", "stereo", "track")
 """Names of the commands and of their modules in `signum.commands`."""
 
 

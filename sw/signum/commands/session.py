@@ -122,7 +122,8 @@ class Session:
     @cached_property
     def outputs(self) -> Outputs:
         """The folder for what is written, made and locked on first use."""
-        made = Outputs(self.folder, self.command, self.name, self.live)
+        first: Frame | None = self.__dict__.get("first")  # once it has been read
+        made = Outputs(self.folder, self.command, self.name, self.live, began_s=first.time_s if first else None)
         self._powered.callback(made.close)
         return made
 

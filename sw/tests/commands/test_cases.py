@@ -83,7 +83,8 @@ def _is_the_pan(found: Sequence[Pair], times: Sequence[float], within: float = 0
     """The floor goes the other way than the camera, and frames have these times."""
     assert np.array([f[:2] for f in found]) == pytest.approx(
         np.array([(b, b - a) for a, b in pairwise(times)]), abs=1e-6, nan_ok=True)
-    assert np.array([f[2:] for f in found]) == pytest.approx(np.array([[-fast * x for x in STEP]] * len(found)), abs=within)
+    motion = [-fast * x for x in STEP]
+    assert np.array([f[2:] for f in found]) == pytest.approx(np.array([motion] * len(found)), abs=within)
 
 
 def _image(k: int, encoding: str, pixels: np.ndarray[Any, Any], stamp: int) -> Any:
@@ -257,8 +258,8 @@ def test_calib(tmp_path: Path, kind: str, board: str) -> None:
                 cv2.undistortPoints(points, k, np.array(BENT), P=k)).reshape(SIZE[1], SIZE[0], 2).astype(np.float32)
     (tmp_path / "in").mkdir()
     for n in range(FRAMES):
-        write_picture(tmp_path / f"in/{n}.png", cv2.remap(
-            FLOOR, straight[..., 0] + 120 + FAST * STEP[0] * n, straight[..., 1] + 120 + FAST * STEP[1] * n, cv2.INTER_CUBIC))
+        at = straight + np.float32(120) + n * FAST * np.array(STEP, np.float32)
+        write_picture(tmp_path / f"in/{n}.png", cv2.remap(FLOOR, at[..., 0], at[..., 1], cv2.INTER_CUBIC))
     text = _ros("equidistant", WIDE) if kind == "fisheye" else _ros("plumb_bob", BENT, 4 if kind == "twice" else 1)
     if kind == "aspect":
         text = text.replace("image_height: 120", "image_height: 90")
@@ -332,3 +333,18 @@ def test_live_camera(tmp_path: Path, rate: float, board: str, monkeypatch: pytes
             got.append(message)
     speed = sum(m.position_delta[1] for m in got) / sum(1e-6 * m.time_delta_usec for m in got)
     assert speed == pytest.approx(2 * rate / 200, rel=0.1), [m.time_delta_usec for m in got]
+
+
+def test_an_exported_trajectory_has_the_frames_own_times(tmp_path: Path) -> None:
+    """A hold's table counts from its first frame; what other programs get has the stamps of the bag."""
+    stamps = [1_700_000_000.25 + t for t in TENTHS]
+    path = _bag(tmp_path / "bag", _bgr, stamps)
+    result = _run("hold", "--source", path, "--range", "1", "--focal", "200", "--window", "32", "--out", tmp_path / "o")
+    assert result.exit_code == 0, result.output
+    result = _run("export", tmp_path / "o")
+    assert result.exit_code == 0 and "4 poses in `odom`" in result.output, result.output
+    tum = np.loadtxt(tmp_path / "o/hold.tum")
+    assert tum[:, 0] == pytest.approx(np.array(stamps), abs=1e-6)
+    # Pictures go right and down over the floor, the vehicle right and back: y is to the left, x ahead.
+    assert tum[:, 1:3] == pytest.approx(np.array([[-STEP[1] * k / 200, -STEP[0] * k / 200] for k in range(FRAMES)]),
+                                        abs=1e-3)

@@ -132,6 +132,12 @@ def test_every_frame_lies_where_the_log_has_it(made: Made, out: Path, kind: str,
         metres = project(*np.array(DEGREES).T)
         east, north = metres.east.tolist(), metres.north.tolist()
     assert _found(out / "mosaic.tif", east, north) <= 1
+    exported = CliRunner().invoke(application("export"), ["export", str(out), "--rate", "10"])
+    assert exported.exit_code == 0, exported.output
+    poses = np.loadtxt(out / "poses.tum")
+    assert np.abs(poses[:, 1:3] - np.stack([east, north], 1)).max() < 1.5 * PIXEL, "by another way than the picture's"
+    assert np.degrees(2 * np.arctan2(poses[:, 6], poses[:, 7])) == pytest.approx(90, abs=1.5), (
+        "grid north is up to 1.2 degrees off")
 
 
 def test_the_verilated_board_lays_it_by_time_too(made: Made, tmp_path: Path) -> None:
