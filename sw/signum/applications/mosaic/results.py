@@ -9,7 +9,7 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from signum.applications.mosaic.blend import compose, sketch
+from signum.applications.mosaic.blend import Told, compose, silent, sketch
 from signum.applications.mosaic.georeference import Georeference, ground_lines, world_of
 from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
@@ -36,6 +36,7 @@ class Results:
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
         cog: whether these are Cloud Optimized GeoTIFFs.
+        told: hears of each picture that is blended.
         grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
     """
@@ -44,6 +45,7 @@ class Results:
         self._ledger = ledger
         self.ground: Grounding | None = None
         self.cog = False
+        self.told: Told = silent
         self.grounded: list[str] = []
         self.trouble = ""
         self._sizes: list[str] = []
@@ -118,7 +120,8 @@ class Results:
                 of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
                 self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
-        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
+        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored],
+                         told=self.told)
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
