@@ -30,7 +30,8 @@ UNITS = {
     "margin": "matching fraction", "valid": "0 or 1", "accepted": "0 or 1", "sharp": "0 or 1", "met": "0 or 1",
     "camera": "word", "used": "0 or 1", "corners": "number",
     "scale": "ratio", "confidence": "0 to 100", "agreed": "windows", "tried": "windows",
-    "windows": "number", "component": "number", "epsg": "code", "direct": "features", "links": "measurements", "pairs": "number",
+    "windows": "number", "direct": "features", "links": "measurements", "pairs": "number",
+    "component": "number", "epsg": "code",
     **dict.fromkeys(("rmse", "mean", "median", "std", "min", "max"), "of column unit"),
     **dict.fromkeys(("measured", "bound"), "as the figure names"),
 }
