@@ -133,7 +133,7 @@ def _open(text: str | Path) -> Source:
     path = Path(text)
     if path.is_dir():
         return FolderSource(path)
-    if path.is_char_device() or DEVICE.match(str(text)):
+    if DEVICE.match(str(text)):
         return AvSource(str(text), V4L2)
     if not path.exists():
         camera = CAMERA.match(str(text))
