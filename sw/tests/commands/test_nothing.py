@@ -38,5 +38,5 @@ def test_nothing_measured(command: tuple[str, ...], table: str, unlike: Path, tm
     result = CliRunner().invoke(application(), [*words, "--out", str(tmp_path)])
     assert result.exit_code == 1 and "nothing could be measured in" in result.stderr, result.output
     assert len((tmp_path / table).read_text().splitlines()) > 1
-    source = {"stereo": f"{unlike}/0.png and {unlike}/1.png", "navigate": f"{unlike}/2.png"}.get(command[0], str(unlike))
-    check_head(tmp_path / "report.html", command[0], source)
+    source = {"stereo": f"{unlike}/0.png and {unlike}/1.png", "navigate": f"{unlike}/2.png"}.get(command[0], unlike)
+    check_head(tmp_path / "report.html", command[0], str(source))
