@@ -27,7 +27,7 @@ SOURCES = "source", "left", "right"
 """Parameters that name frames."""
 PAGE = "report.html"
 """The page that most commands write; those that share a folder replace each other's."""
-WITHOUT_PAGE = {f"run-{command}.jsonl" for command in ("filter", "simulate")}
+WITHOUT_PAGE = {f"run-{command}.jsonl" for command in ("export", "filter", "simulate")}
 """Records of the commands that write none."""
 SURVEY = "run.json", "frames/journal.txt"
 """Files that tell that a folder holds a survey, which has a page too."""

@@ -15,7 +15,7 @@ from typing import Any
 
 import av
 from av.codec.context import Flags
-from av.error import FFmpegError
+from av.error import ExitError, FFmpegError
 from av.video.codeccontext import VideoCodecContext
 from av.video.frame import VideoFrame
 
@@ -170,4 +170,6 @@ def decoded(context: VideoCodecContext, packet: Any, label: str) -> Iterator[Vid
 
 def reason_of(error: Exception) -> str:
     """What the system says, on one line."""
+    if isinstance(error, ExitError):  # by the time that PyAV was given
+        return f"nothing has come for {QUIET_S:g} s"
     return " ".join(str(getattr(error, "strerror", None) or error).split())

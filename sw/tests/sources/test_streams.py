@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from threading import Event
 
@@ -141,20 +142,23 @@ def test_a_port_that_another_program_has(tmp_path: Path) -> None:
             next(iter(open_source(f"udp://:{other.getsockname()[1]}")))
 
 
-def test_rtsp_is_fetched_again_when_it_ends(film: list[bytes], monkeypatch: pytest.MonkeyPatch,
-                                            capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(("hang", "says"), [(False, "it ended"), (True, "nothing has come for 0.5 s")])
+def test_rtsp_is_fetched_again_when_it_stops(film: list[bytes], hang: bool, says: str, monkeypatch: pytest.MonkeyPatch,
+                                             capsys: pytest.CaptureFixture[str]) -> None:
     """FFmpeg keeps for itself what it looks at while it connects; what is shown is what was sent."""
     monkeypatch.setattr(stream, "AGAIN_S", 0.05)
-    camera = RtspCamera(film[:30], film, rate=RATE)
+    monkeypatch.setattr(stream, "QUIET_S", 0.5)
+    camera = RtspCamera(film[:30], film, rate=RATE, hang=hang)
     clean = cameras.plainly_decoded(film)
     with running(camera), taken(open_source(camera.url), 45) as frames:
         places = [next(k for k, one in enumerate(clean) if np.array_equal(f.picture, one)) for f in frames]
-        again = places.index(29) + 1
+        again = 1 + next(k for k, (a, b) in enumerate(pairwise(places)) if b < a)
         assert places[:again] == sorted(places[:again]) and places[again:] == sorted(places[again:])
+        assert places[again - 1] >= 28, "of a picture whose end nothing marks the last is not shown"
         ages = [(f.time_s or 0.0) - camera.sent_at[k] for f, k in zip(frames[1:again], places[1:again], strict=True)]
         assert abs(np.median(ages)) < 0.4 / RATE, "a frame's time is that of its own arrival"
         said = capsys.readouterr().err
-        assert said.count("the stream stopped after frame") == said.count("\n") == 1, said
+        assert said.count("the stream stopped after frame") == said.count("\n") == 1 and f"({says})" in said, said
     assert camera.asked[:4] == ["OPTIONS", "DESCRIBE", "SETUP", "PLAY"] and camera.asked.count("PLAY") == 2
 
 

@@ -24,6 +24,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from signum.applications.trajectory.path import Trajectory
 from signum.common.arrays import Floats
+from signum.common.errors import SignumError
 from signum.geometry.lens import Lens
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
@@ -43,7 +44,13 @@ def write_bag(path: Path, trajectory: Trajectory, lens: Lens | None = None) -> N
         path: folder of the bag, which must not exist.
         trajectory: see there for the axes.
         lens: of the camera, for CameraInfo; its matrix and distortion are those of the recorded pictures.
+
+    Raises:
+        SignumError: if its times are none that a message's stamp can be.
     """
+    if not 0 <= trajectory.times[0] <= trajectory.times[-1] < 1 << 31:
+        raise SignumError(f"{path}: times from {trajectory.times[0]:g} to {trajectory.times[-1]:g} s are no stamps of "
+                          "ROS, which are 0 to 2147483647 s: leave --bag out")
     with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         topics = {"/odom": "nav_msgs/msg/Odometry", "/tf": "tf2_msgs/msg/TFMessage",
                   "/tf_static": "tf2_msgs/msg/TFMessage"}

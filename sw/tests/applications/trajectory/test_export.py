@@ -161,10 +161,11 @@ def test_a_navigated_mosaic_gives_metres(tmp_path: Path) -> None:
     (None, (), "no hold.csv, poses.csv or navigate.csv"), ("poses", (), "--pixel METRES"),
     ("navigate", (), "--mosaic"), ("navigate", ("--pixel", "0.01"), "give their --rate"),
     ("navigate", ("--mosaic", "nowhere"), "no such file"), ("poses", ("--no-tum",), "nothing to write"),
-    ("poses", ("--calibration", "c.yaml"), "which --bag writes")])
+    ("poses", ("--calibration", "c.yaml"), "which --bag writes"),
+    ("late", ("--pixel", "0.01", "--bag", "--no-tum"), "no stamps of ROS")])
 def test_what_is_missing_is_one_line(tmp_path: Path, table: str | None, options: tuple[str, ...], says: str) -> None:
-    if table == "poses":
-        _table(tmp_path / "poses.csv", POSES, POSED)
+    if table in ("poses", "late"):
+        _table(tmp_path / "poses.csv", POSES, POSED if table == "poses" else [["a", "1e10", 1, 1, 0, 1]])
     elif table:
         _table(tmp_path / "navigate.csv", NAVIGATE, [["a", "", 10, 20, 0, 1, "0.9", 90]])
     result = _export(tmp_path, *options)
