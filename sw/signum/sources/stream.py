@@ -46,7 +46,7 @@ REMEDY = {"rtsp": "mend the address, or start the camera's server", "http": "men
 class StreamSource(LiveSource):
     """A live stream that is connected to again when it stops. Frames are numbered from 0 as they come."""
 
-    leave_s = 0.5  # FFmpeg may wait for the network; a run that is stopped does not wait for it
+    leave_s = 0.25  # FFmpeg may wait for the network; a run that is stopped does not wait for it
 
     @abstractmethod
     def _pictures(self) -> Iterator[tuple[float, VideoFrame | None]]:
