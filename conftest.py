@@ -4,6 +4,7 @@ heading."""
 
 import os
 
+import pytest
 from hypothesis import settings
 
 from sim.seeds import session_seed
@@ -19,3 +20,8 @@ def pytest_report_header() -> str:
     """How to repeat a run."""
     return (f"signum: SIGNUM_SEED={session_seed()}, of cocotb and of both boards in lockstep; set it to repeat a run "
             "(WAVES=1 for waveforms)")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Slow tests first, so that no process waits for another's at the end."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import cocotb
 import numpy as np
+import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.host import Host, Script
@@ -18,6 +19,7 @@ from golden.params import TINY
 from golden.traffic.peak import surface_beats
 from golden.traffic.stalls import SHAPES
 from golden.traffic.video import BAD_KINDS, bad, texture
+from sim.coverage.functional import FEW, MANY
 from sim.registers.map import address, fields, word
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -272,6 +274,40 @@ def _accesses(h: Host) -> Generator[None, None, None]:
     _check_results(h, jobs, planes)
 
 
+def _offers_at_every_moment(h: Host) -> Script:
+    """A beat that comes at any clock of a change of filter waits for its end, a request that comes at any clock of a
+    write for the write's: for a clock, for some, for many. None is lost."""
+    yield from h.set_up(SIGMA, SIZE)
+    beats, waited = 0, [0]
+    while not (1 in waited and max(waited) >= MANY and any(FEW <= clocks < MANY for clocks in waited)):
+        assert beats < 100, f"clocks for which beats waited: {waited}"
+        before = h.stalls["video"]
+        h.master.write(address("filter"), word("filter", go=1))
+        yield from h.pause(beats)
+        h.beats[beats % 2].append((h.rng.getrandbits(8), 1, 1))  # a frame of one beat, which is dropped and counted
+        beats += 1
+        yield from h.until(lambda: not any(h.beats), "video")
+        waited.append(h.stalls["video"] - before)
+        while (yield from h.read("filter.busy")):
+            pass
+    drops = yield from h.read("counter.drops[0].value")
+    assert drops + (yield from h.read("counter.drops[1].value")) == beats
+    h.master.overlap = 2
+    for gap in range(2 * MANY):
+        values = [h.rng.getrandbits(4) for _ in range(2)]
+        for value in values:
+            h.master.write(address("irq_enable"), value)
+            yield from h.pause(gap)
+        yield from h.until(lambda: h.master.idle, "bus")
+        for _ in range(2):
+            access = h.master.read(address("irq_enable"))
+            yield from h.pause(gap)
+        yield from h.until(lambda: h.master.idle, "bus")
+        assert access.data == values[-1]
+    h.master.overlap = 1
+    yield from _capture_pair(h, {}, (0, 1))
+
+
 async def _scenario(dut, script, video: str = "none", sink: str = "none", bus: str = "none") -> Host:
     rng = random.Random(cocotb.RANDOM_SEED)
     host = Host(TINY, rng, video, sink, bus)
@@ -309,10 +345,17 @@ async def access_during_work(dut) -> None:
     await _scenario(dut, _accesses, video="cyclic", sink="long", bus="random")
 
 
+@cocotb.test()
+async def offers_at_every_moment(dut) -> None:
+    await _scenario(dut, _offers_at_every_moment)
+
+
+@pytest.mark.slow
 def test_board() -> None:
     simulate("slog_board", __name__, ports=AXI_PORTS)
 
 
+@pytest.mark.slow
 def test_board_with_gated_clocks() -> None:
     """Stopping the clocks of idle blocks, as the fast build does, changes no output."""
     simulate("slog_board", __name__, ports=AXI_PORTS, defines={"SLOG_CLOCK_GATE": "1"},

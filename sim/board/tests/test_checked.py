@@ -22,6 +22,7 @@ def _mask(register: str) -> int:
     return sum(f.mask for name, f in fields().items() if name.rpartition(".")[0] == register)
 
 
+@pytest.mark.slow  # the first of them builds the board
 @pytest.mark.parametrize("overlap", [1, 6])
 def test_channels_in_their_own_time(overlap: int) -> None:
     """Addresses before data and the reverse, any strobes, stalled responses: every access is answered once, a stored

@@ -71,6 +71,7 @@ def hold_to_golden(device: Device, jobs: list[Job], planes: dict[int, Plane]) ->
     return good
 
 
+@pytest.mark.slow  # the first of them builds the board
 @pytest.mark.parametrize("size", [(48, 36), (18, 18), (33, 25), (41, 19)])
 @pytest.mark.parametrize("sigma", [1.0, 2.3, 4.0])
 def test_tiny_planes(tiny: Device, size: tuple[int, int], sigma: float) -> None:

@@ -135,6 +135,7 @@ def test_stalls_of_each_length_are_told_apart() -> None:
     assert counts == dict(zip(functional.STALLS, (3, 1, 1, 1, 1, 1), strict=True))
 
 
+@pytest.mark.slow
 def test_a_bench_leaves_complete_records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a queue with two places, every point is hit, and each output is compared on every clock."""
     monkeypatch.setenv(VARIABLE, str(tmp_path))

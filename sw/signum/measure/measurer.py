@@ -54,7 +54,7 @@ class View:
     frame_size: tuple[int, int]
     _slot: int
     _owner: Measurer = field(repr=False)
-    _texture: dict[tuple[int, int, int, int], float] = field(default_factory=dict, repr=False)
+    _texture: dict[tuple[int, ...], float] = field(default_factory=dict, repr=False)
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ class Query:
     reach: tuple[int, int] = (16, 16)
 
 
-Window = tuple[View, tuple[int, int, int, int]]
-"""A window of a view: x and y of its centre, width, height."""
+Window = tuple[View, tuple[int, int, int, int, int, int]]
+"""A window of a view: x and y of its centre, width, height; and 1 or 0, whether it is searched for across and down."""
 
 
 class Measurer:
@@ -194,14 +194,16 @@ class Measurer:
             BoardError: if the board was configured again.
         """
         self._check_own(view)
-        return list(map(float, self._likeness([(view, window) for window in windows])))
+        return list(map(float, self._likeness([(view, (*window, 1, 1)) for window in windows])))
 
     def _likeness(self, windows: Sequence[Window]) -> Floats:
-        """As `likeness`, of windows of any views; a view keeps what was measured."""
+        """As `likeness`, of windows of any views, in the directions that they are searched in; a view keeps what was
+        measured. A window that is searched for along its row only may well look like itself above and below."""
         wanted = list({(view, key): None for view, key in windows if key not in view._texture})
         if wanted:
             reach = max(3, round(3 * self.sigma))
-            whole = np.array([(view._slot, view._slot, *key, reach, reach) for view, key in wanted], np.int64)
+            whole = np.array([(view._slot, view._slot, *key) for view, key in wanted], np.int64)
+            whole[:, 6:] *= reach
             jobs, which = Searches.of(whole, np.zeros((len(whole), 2))).jobs(self.size)
             results = run_table(self._own_board(), jobs)
             match = np.ones(len(whole))
@@ -245,7 +247,7 @@ def white_match(distance: float, sigma: float) -> float:
 
 
 def _window(q: Query) -> Window:
-    return q.reference, (q.x, q.y, q.width, q.height)
+    return q.reference, (q.x, q.y, q.width, q.height, int(q.reach[0] > 0), int(q.reach[1] > 0))
 
 
 def _searches(queries: Sequence[Query]) -> Searches:

@@ -2,9 +2,10 @@
 """Stereo range: disparities of a grid of windows along the rows of a rectified pair (the paper's figure 5).
 
 Each window of the left view is searched for along the same rows of the right view: a one-dimensional job. A disparity
-is left x minus right x, positive for everything nearer than infinity. The measurer checks peak, margin, texture, and
-that the search from the right view back returns to the left window (left-right check). At the edge of a near object a
-window covers two depths and may yield either; a window twice as large then yields another one, so the two must agree.
+is left x minus right x, positive for everything nearer than infinity. The measurer checks peak and margin, and that the
+search from the right view back returns to the left window (left-right check). At the edge of a near object a window
+covers two depths and may yield either; a window twice as large then yields another one, so the two must agree. At the
+border the larger one is moved inwards until it lies in the left view.
 """
 
 from __future__ import annotations
@@ -22,8 +23,12 @@ from signum.geometry.calibration import StereoGeometry
 from signum.measure.measurer import Measurement, Measurer, Query, View
 from signum.measure.validity import Reason, Rules
 
-STEREO_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=0.6)
-"""Stricter than `Rules`: both views are of one moment, so they match better than two frames of a dive."""
+STEREO_RULES = Rules(min_score=0.7, min_margin=0.05, max_return_px=0.6, texture=False)
+"""Stricter than `Rules`: both views are of one moment, so they match better than two frames of a dive, and the best of
+the places along one row stands out further. A window without texture along its row is like its neighbours in the row,
+so it has no margin; what it looks like above and below does not matter."""
+AGAIN = Rules(min_score=0.0, min_margin=-1.0, texture=False, backward=False)
+"""For the windows twice as large: where these find something else, that may be as wrong as what they are to confirm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,24 +97,24 @@ def measure_range(
         raise ValueError(f"no window of {window[0]}x{window[1]} fits a picture of {width}x{height}")
     guess, reach = -(low + high) / 2, -(-(high - low) // 2)
 
-    def ask(size: tuple[int, int]) -> list[Measurement]:
-        return measurer.measure([Query(left, right, int(u), int(v), *size, guess=(guess, 0.0), reach=(reach, 0))
-                                 for v in y for u in x], rules)
+    def ask(size: tuple[int, int], rules: Rules) -> list[Measurement]:
+        u, v = (np.clip(at, side // 2, whole - side + side // 2)  # moved inwards where the window would stick out
+                for at, side, whole in zip((x, y), size, measurer.size, strict=True))
+        return measurer.measure([Query(left, right, int(column), int(row), *size, guess=(guess, 0.0), reach=(reach, 0))
+                                 for row in v for column in u], rules)
 
-    found = ask(window)
+    found = ask(window, rules)
     shape = (y.size, x.size)
-    disparity = _disparities(found)
+    disparity = np.array([-m.dx_px if m.valid else np.nan for m in found])
     refused = Counter(str(m.reason) for m in found if not m.valid)
     if agreement_px is not None:
-        most = measurer.window_range[1]
-        second = _disparities(ask((min(2 * window[0], most), min(2 * window[1], most))))
+        across, down = (min(2 * side, measurer.window_range[1], whole)
+                        for side, whole in zip(window, measurer.size, strict=True))
+        larger = ask((across, down), AGAIN)
+        second = np.array([np.nan if m.reason is Reason.OUTSIDE else -m.dx_px for m in larger])
         alone = np.isfinite(disparity) & ~(np.abs(disparity - second) <= agreement_px)
         disparity[alone] = np.nan
         refused += Counter({str(Reason.PARTS): int(alone.sum())})
     return RangeMap(x.astype(np.float64), y.astype(np.float64), disparity.reshape(shape),
                     np.array([m.score for m in found]).reshape(shape),
                     np.array([m.margin for m in found]).reshape(shape), refused)
-
-
-def _disparities(found: list[Measurement]) -> Floats:
-    return np.array([-m.dx_px if m.valid else np.nan for m in found])

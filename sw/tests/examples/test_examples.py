@@ -75,6 +75,7 @@ def test_the_blocks_file_list_is_whole() -> None:
     assert [(block / line).resolve() for line in listed] == [*sources_of("slog_frontend"), block / "my_design.sv"]
 
 
+@pytest.mark.slow
 def test_the_whole_board() -> None:
     example("board/run.py").main()
 

@@ -246,8 +246,8 @@ def test_passwords_are_not_written(film: list[bytes], tmp_path: Path) -> None:
 
 
 def test_ctrl_c_ends_a_stream_that_hangs(film: list[bytes], tmp_path: Path) -> None:
-    """The camera is silent when the run is stopped: within two seconds, and what was measured is there. On a machine that
-    is busy with other things, the quickest of three counts."""
+    """The camera is silent when the run is stopped: within two seconds, and what was measured is there. On a machine
+    that is busy with other things, the quickest of three counts."""
     for n in range(3):
         took = _stopped(film, tmp_path / str(n))
         if took < 2.0:
