@@ -196,7 +196,8 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
     if seconds is not None:
         total = min(round(seconds * rate), total or round(seconds * rate))
     record = _record(run, False, max(2.0, total / rate / 6) if total else SHOT_S, autopilot)
-    about = (f"{frames.label} against its first frame; {rate:g} frames a second, focal length {focal:.0f} px, "
+    pace = f"{rate:g} frames a second, " if recorded.rate or frames.rate else ""
+    about = (f"{frames.label} against its first frame; {pace}focal length {focal:.0f} px, "
              f"range {range_m:g} m at the start.")
 
     def report() -> None:

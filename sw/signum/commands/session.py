@@ -100,8 +100,9 @@ class Session:
             if whole:
                 notes.print(clocks_line(self.board, self.done))
                 if self.live:
+                    lost = f"; {self.source.lost:,} packets were lost" if self.source.lost else ""
                     notes.print(f"{self.source.label}: {self.source.skipped:,} frames skipped, as newer ones came; "
-                                f"those taken were at most {1e3 * self.source.oldest_s:.0f} ms old")
+                                f"those taken were at most {1e3 * self.source.oldest_s:.0f} ms old{lost}")
         if whole and self.summary is not None:
             out.print(self.summary())
         if whole and kind is None and self.measured is not None and not self.measured():

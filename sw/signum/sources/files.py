@@ -115,6 +115,11 @@ class UndistortedSource(Source):
         return self.source.skipped
 
     @property
+    def lost(self) -> int:  # type: ignore[override]
+        """Of the source."""
+        return self.source.lost
+
+    @property
     def oldest_s(self) -> float:  # type: ignore[override]
         """Of the source."""
         return self.source.oldest_s

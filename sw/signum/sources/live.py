@@ -41,7 +41,7 @@ class LiveSource(Source):
         """Every frame as it comes, its time that of `time.monotonic()`; runs in a thread of its own."""
 
     def _frames(self) -> Iterator[Frame]:
-        self.skipped, self.oldest_s = 0, 0.0
+        self.skipped, self.lost, self.oldest_s = 0, 0, 0.0
         self.stopping.clear()
         box = _Newest(self)
         # With the context of this thread, which holds the limit of a picture's size.

@@ -92,7 +92,7 @@ class InOrder:
     """Packets of one sender in the order of their numbers, each once.
 
     Attributes:
-        lost: packets given up.
+        lost: packets given up; whoever counts them may set it back.
         expected: number of the next packet; None before the first.
     """
 

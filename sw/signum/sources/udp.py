@@ -49,7 +49,6 @@ class UdpSource(StreamSource):
         if found is None or not 0 < int(found[2]) < 1 << 16:
             raise SourceError(f"{address}: write it as udp://:PORT, with a port from 1 to 65535, as in udp://:5600")
         self.host, self.port = found[1].strip("[]"), int(found[2])
-        self.lost = 0
 
     def _refused(self, reason: str) -> SourceError:
         return SourceError(f"{self.label}: {reason}")
@@ -106,7 +105,7 @@ class UdpSource(StreamSource):
                     seen = True
                     stale = time.monotonic() - unit.came > STALE_S and select([port], [], [], 0)[0]
                     yield unit.came, None if stale else picture
-            self.lost = order.lost
+            self.lost, order.lost = self.lost + order.lost, 0
             now = time.monotonic()
             if seen and now - heard > QUIET_S:
                 raise TimeoutError(f"nothing has come for {QUIET_S:g} s")
