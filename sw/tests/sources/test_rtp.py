@@ -115,6 +115,16 @@ def test_after_a_loss_nothing_is_shown_until_a_key_frame(film: list[bytes], clea
     assert len(places) > len(film) // 5
 
 
+def test_a_key_frame_without_its_first_slice_is_not_shown() -> None:
+    """Slices in packets of their own leave no trace of one that is lost before the first that arrives."""
+    film = cameras.encoded(cameras.moving(30, (64, 48)), every=10, more=":slices=3")
+    clean, sent = cameras.plainly_decoded(film), cameras.packets(film)
+    kinds = [datagram[12] & 31 for datagram in sent[10]]
+    assert kinds == [24, 5, 5, 5], "parameter sets and slices"
+    sent[10] = sent[10][2:]
+    assert _places(_shown(Receiver().units(_timed(sent))), clean) == [*range(10), *range(20, 30)]
+
+
 def test_intra_refresh_recovers_without_key_frames() -> None:
     """A camera that renews its picture column by column and says so (recovery point) never sends another key frame."""
     film = cameras.encoded(cameras.moving(60), every=15, more=":intra-refresh=1")

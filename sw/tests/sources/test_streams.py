@@ -224,14 +224,6 @@ def test_what_waited_while_the_reader_was_held_up_is_passed_over(film: list[byte
     assert source.skipped == int(after.name) - int(before.name) - 1 > 15
 
 
-def test_the_limit_of_a_pictures_size_holds_in_the_readers_thread(film: list[bytes], tmp_path: Path) -> None:
-    camera = RtspCamera(film, rate=RATE)
-    with running(camera):
-        result = CliRunner().invoke(application(), ["track", camera.url, "--megapixels", "0.005", "--out",
-                                                    str(tmp_path / "o")])
-    assert result.exit_code == 1 and "lift it with --megapixels" in result.output, result.output
-
-
 def test_passwords_are_not_written(film: list[bytes], tmp_path: Path) -> None:
     assert without_secrets("rtsp://me:pw@h/x?token=a&c=1") == "rtsp://***@h/x?token=***&c=1"
     assert without_secrets("dive@me:1.mp4") == "dive@me:1.mp4"
