@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from threading import Event
@@ -258,7 +259,9 @@ def _stopped(film: list[bytes], out: Path) -> float:
         run = subprocess.Popen([sys.executable, "-m", "signum.commands.cli", "hold", "--source", camera.url, "--range",
                                 "1", "--focal", "100", "--window", "16", "--out", str(out)],
                                stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
-                               env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+                               env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+                               # A job in the background was started to ignore SIGINT.
+                               preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL))
         end = time.monotonic() + 15
         while time.monotonic() < end and not (table.exists() and table.read_text().count("\n") > 5):
             time.sleep(0.05)
