@@ -72,6 +72,10 @@ stream: setup ## signum hold on a looped 30 fps H.264 stream from another proces
 speed: setup ## Searches of the golden board against OpenCV; frames a second of flow, hold and mosaic on one core, held to bars
 	@PYTHONPATH=sw $(PY) -m tests.speed
 
+.PHONY: tracks
+tracks: setup ## Tracks of clips that return to their start, clear and murky, against their known motion, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.tracks
+
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
 	@$(PY) -m ruff check .

@@ -198,7 +198,7 @@ def _process(command: list[str]) -> Iterator[subprocess.Popen[str]]:
     places = os.pathsep.join(filter(None, sys.path))
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           env={**os.environ, "PYTHONPATH": places}) as one:
-        _hurry(one.pid)
+        go_first(one.pid)
         try:
             yield one
         finally:
@@ -234,7 +234,7 @@ def _waited(pid: int) -> dict[str, float]:
     return waited
 
 
-def _hurry(pid: int) -> None:
+def go_first(pid: int) -> None:
     """Let a process go before others, where that is allowed: other programs on the machine are no part of the run."""
     with suppress(PermissionError):
         os.setpriority(os.PRIO_PROCESS, pid, -10)

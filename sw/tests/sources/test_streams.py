@@ -30,6 +30,7 @@ from signum.sources.live import LiveSource
 from signum.sources.open import open_source
 from signum.sources.stream import AvSource
 
+from ..stream import go_first
 from . import cameras
 from .cameras import HOST, RtspCamera, free_port, mjpeg_camera, running, send
 
@@ -262,6 +263,7 @@ def _stopped(film: list[bytes], out: Path) -> float:
                                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
                                # A job in the background was started to ignore SIGINT.
                                preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL))
+        go_first(run.pid)
         end = time.monotonic() + 15
         while time.monotonic() < end and not (table.exists() and table.read_text().count("\n") > 5):
             time.sleep(0.05)
