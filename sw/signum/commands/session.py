@@ -95,14 +95,14 @@ class Session:
         with self._powered:
             with self._opened:
                 self._bar.close()
+            if whole and self.live:
+                lost = f"; {self.source.lost:,} packets were lost" if self.source.lost else ""
+                notes.print(f"{self.source.label}: {self.source.skipped:,} frames skipped, as newer ones came; those "
+                            f"taken were at most {1e3 * self.source.oldest_s:.0f} ms old{lost}")
             if self.report is not None:
                 self.report()
             if whole:
                 notes.print(clocks_line(self.board, self.done))
-                if self.live:
-                    lost = f"; {self.source.lost:,} packets were lost" if self.source.lost else ""
-                    notes.print(f"{self.source.label}: {self.source.skipped:,} frames skipped, as newer ones came; "
-                                f"those taken were at most {1e3 * self.source.oldest_s:.0f} ms old{lost}")
         if whole and self.summary is not None:
             out.print(self.summary())
         if whole and kind is None and self.measured is not None and not self.measured():
