@@ -270,7 +270,10 @@ def _stopped(film: list[bytes], out: Path) -> float:
         time.sleep(1.2)  # the film is over
         began = time.monotonic()
         run.send_signal(signal.SIGINT)
-        _, said = run.communicate(timeout=10)
+        try:
+            _, said = run.communicate(timeout=10)
+        finally:
+            run.kill()
         took = time.monotonic() - began
     assert run.returncode == 130 and "stopped; what was finished is kept" in said, said
     assert table.read_text().count("\n") > 5 and (took > 1.6 or (out / "report.html").exists())
