@@ -64,6 +64,10 @@ crash: setup ## Kill mosaic, track and hold at CRASHES=48 random moments, fill t
 endurance: setup ## Memory and time a frame over 2,000 frames of mosaic and 10,000 of track and hold
 	@PYTHONPATH=sw $(PY) -m tests.endurance
 
+.PHONY: stream
+stream: setup ## signum hold on a looped 30 fps H.264 stream from another process: memory, age of frames, messages, sum of deltas (MINUTES=10)
+	@PYTHONPATH=sw $(PY) -m tests.stream --minutes $(MINUTES)
+
 .PHONY: speed
 speed: setup ## Searches of the golden board against OpenCV; frames a second of flow, hold and mosaic on one core, held to bars
 	@PYTHONPATH=sw $(PY) -m tests.speed
