@@ -68,9 +68,17 @@ endurance: setup ## Memory and time a frame over 2,000 frames of mosaic and 10,0
 hover: setup ## Rendered hover clips, murky, turned, pushed, blocked, of other seabeds: readings against the truth, held to bars (20 minutes)
 	@PYTHONPATH=sw $(PY) -m tests.hover
 
+.PHONY: stream
+stream: setup ## signum hold on a looped 30 fps H.264 stream from another process: memory, age of frames, messages, sum of deltas (MINUTES=10)
+	@PYTHONPATH=sw $(PY) -m tests.stream --minutes $(MINUTES)
+
 .PHONY: speed
 speed: setup ## Searches of the golden board against OpenCV; frames a second of flow, hold and mosaic on one core, held to bars
 	@PYTHONPATH=sw $(PY) -m tests.speed
+
+.PHONY: tracks
+tracks: setup ## Tracks of clips that return to their start, clear and murky, against their known motion, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.tracks
 
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests

@@ -78,13 +78,16 @@ def _room(rng: random.Random, shape: str) -> Stimulus:
 
 def _rows(rng: random.Random, shape: str) -> Stimulus:
     offer, take = ready_pattern("random", rng), ready_pattern(shape, rng)
-    there = 0
+    there, held = 0, None
     while True:
         ok = rng.random() < 0.7
         ctx = _anything(rng, CONTEXT, status=0 if ok else rng.randint(1, 4), offsets_x=rng.choice((1, 2, 3, 640)),
                        offsets_y=rng.randint(1, 5) if ok else rng.getrandbits(10))
-        i = {"ctx_valid_i": next(offer), "ctx_i": ctx, "row_taken_i": int(there and next(take))}
+        held = ctx if held is None and next(offer) else held  # what is offered stays
+        i = {"ctx_valid_i": int(held is not None), "ctx_i": ctx if held is None else held,
+             "row_taken_i": int(there and next(take))}
         out = yield i
+        held = None if out["ctx_ready_o"] else held
         there = not i["row_taken_i"] and out["row_coming_o"]
 
 

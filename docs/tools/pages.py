@@ -31,6 +31,7 @@ UNITS = {
     "camera": "word", "used": "0 or 1", "corners": "number",
     "scale": "ratio", "confidence": "0 to 100", "agreed": "windows", "tried": "windows",
     "windows": "number", "direct": "features", "links": "measurements", "pairs": "number",
+    "component": "number", "epsg": "code",
     **dict.fromkeys(("rmse", "mean", "median", "std", "min", "max"), "of column unit"),
     **dict.fromkeys(("measured", "bound"), "as the figure names"),
 }

@@ -26,6 +26,7 @@ from signum.common.checks import MEGAPIXELS, megapixels, option
 from signum.common.console import notes, out
 from signum.common.errors import SignumError
 from signum.common.files import real_path
+from signum.common.urls import without_secrets
 from signum.common.version import VERSION
 
 LONGEST = 500
@@ -110,7 +111,7 @@ def _words(parameter: inspect.Parameter, value: object) -> list[str]:
         return []
     if isinstance(value, bool):
         return [name] if value else [negative] if negative else []
-    return [name, shlex.quote(str(value))]
+    return [name, shlex.quote(without_secrets(str(value)))]
 
 
 def _names(parameter: inspect.Parameter) -> str:
@@ -214,7 +215,7 @@ def _written_by(error: OSError) -> str | None:
 
 def _unexpected(error: Exception, command: str, values: Mapping[str, object]) -> str:
     """Write the log of an unexpected error beside the output; returns the line for the user."""
-    given = "".join(f"  {name}: {value}\n" for name, value in sorted(values.items()))
+    given = "".join(f"  {name}: {without_secrets(str(value))}\n" for name, value in sorted(values.items()))
     text = f"signum {command}\n{given}\n{''.join(traceback.format_exception(error))}"
     line = f"unexpected {type(error).__name__} in `signum {command}` ({error})"
     output = values.get(OUTPUT, values.get(REPORTED))

@@ -9,10 +9,10 @@ import sys
 import typer
 
 from signum.commands.app import app
-from signum.commands.signals import listen
+from signum.commands.signals import leave, listen
 
-COMMANDS = ("calibrate", "demo", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report", "simulate",
-            "stereo", "track")
+COMMANDS = ("calibrate", "demo", "export", "filter", "flow", "follow", "hold", "info", "mosaic", "navigate", "report",
+            "simulate", "stereo", "track")
 """Names of the commands and of their modules in `signum.commands`."""
 
 
@@ -33,6 +33,9 @@ def main() -> None:
         sys.exit(0)
     except KeyboardInterrupt:  # while still loading
         sys.exit(130)
+    except SystemExit as end:
+        leave(end.code)
+        raise
 
 
 if __name__ == "__main__":

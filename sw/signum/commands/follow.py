@@ -59,8 +59,8 @@ class FollowSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames instead: "
-        "video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE; segmented by motion, or "
-        "with --right by range.")] = None
+        "video, folder of pictures, ROS bag, .npy array, camera number, stream or world:NAME=VALUE; segmented by "
+        "motion, or with --right by range.")] = None
     right: Annotated[str | None, typer.Option(
         "--right", rich_help_panel=SOURCE, show_default=False, help="The right camera's frames, for range; needs "
         "--calibration.")] = None

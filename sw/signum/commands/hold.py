@@ -49,6 +49,8 @@ GUESS_M = 2.0
 """Range of a source where none is given, metres."""
 TITLE = "Signum: Station keeping"
 """Of the report."""
+SHOT_S = 5.0
+"""Seconds between the report's pictures of a source of unknown length; more when it is long."""
 BLIND_S = 3.0
 """Seconds for which the simulated view is blocked, or the simulated vehicle pushed."""
 
@@ -59,7 +61,8 @@ class HoldSource:
 
     source: Annotated[str | None, typer.Option(
         "--source", rich_help_panel=SOURCE, show_default="simulated world", help="Recorded or live frames to measure "
-        "instead: video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.")] = None
+        "instead: video, folder of pictures, ROS bag, .npy array, camera number, stream (udp://:5600, rtsp://, "
+        "http://) or world:NAME=VALUE.")] = None
     calibration: CalibrationOption = None
     focal: FocalOption = None
     rate: Annotated[float | None, typer.Option(
@@ -162,7 +165,8 @@ def _fly(run: Session, scenario: Scenario, autopilot: Autopilot) -> None:
         figures = judge_hold_rows(np.array(rows), settle=min(10.0, scenario.seconds / 2), apart=scenario.apart)
         bars = hold_bars(figures)
         page = run.folder / PAGE
-        write_page(page, TITLE, [hold_section("Station keeping, simulated", about, record.series, record.shots, bars)],
+        write_page(page, TITLE, [hold_section("Station keeping, simulated", about, record.series, record.shots, bars,
+                                             (record.count, record.valid))],
                    head(page, run.about()))
         for bar in bars:
             out.print(str(bar), markup=False)
@@ -197,13 +201,15 @@ def _measure(run: Session, recorded: HoldSource, seconds: float | None, range_m:
     total = frames.count
     if seconds is not None:
         total = min(round(seconds * rate), total or round(seconds * rate))
-    record = _record(run, False, max(2.0, (total or 600) / rate / 6), autopilot)
-    about = (f"{frames.label} against its first frame; {rate:g} frames a second, focal length {focal:.0f} px, "
+    record = _record(run, False, max(2.0, total / rate / 6) if total else SHOT_S, autopilot)
+    pace = f"{rate:g} frames a second, " if recorded.rate or frames.rate else ""
+    about = (f"{frames.label} against its first frame; {pace}focal length {focal:.0f} px, "
              f"range {range_m:g} m at the start.")
 
     def report() -> None:
         page = run.folder / PAGE
-        write_page(page, TITLE, [hold_section("Station keeping, open loop", about, record.series, record.shots)],
+        write_page(page, TITLE, [hold_section("Station keeping, open loop", about, record.series, record.shots,
+                                             counts=(record.count, record.valid))],
                    head(page, run.about()))
 
     window = run.chosen.window
@@ -234,7 +240,7 @@ def _record(run: Session, truth: bool, often: float, autopilot: Autopilot) -> Ho
     record = HoldRecord(run.file("hold.csv").parent, truth, often)
     run.at_end(record.close)
     run.measured = lambda: max(record.valid - 1, 0)  # beyond the station itself
-    run.summary = lambda: (f"{run.folder / 'hold.csv'}: {len(record.rows)} frames, {record.valid} with a reading"
+    run.summary = lambda: (f"{run.folder / 'hold.csv'}: {record.count} frames, {record.valid} with a reading"
                            f"{autopilot.said}; {run.folder / 'report.html'}")
     return record
 

@@ -121,9 +121,8 @@ def _grow(run: Session, survey: Survey, known: Track | None) -> None:
         if stopped:
             survey.leave()
             return
-        if run.done > 1:
-            notes.print("blending the mosaic")
-        survey.close(finished)
+        with progress("blending", None) as survey.results.told:
+            survey.close(finished)
         if known is not None and finished:
             _judge(survey, known)
 

@@ -77,8 +77,8 @@ def navigate(
     mosaic: Annotated[Path, typer.Argument(help="The --out folder of `signum mosaic`, or a picture of a mosaic. With "
                                            "--simulate the folder for the simulated survey's mosaic.",
                                            show_default=False)],
-    source: Annotated[str | None, typer.Argument(help="Video, folder of pictures, ROS bag, .npy array or camera number "
-                                                 "of the same camera.", show_default=False)] = None,
+    source: Annotated[str | None, typer.Argument(help="Video, folder of pictures, ROS bag, .npy array, camera number "
+                                                 "or stream of the same camera.", show_default=False)] = None,
     calibration: CalibrationOption = None,
     output: OutOption = Path("out/navigate"),
     board: BoardOptions = BOARD_DEFAULTS,

@@ -38,7 +38,8 @@ def folder(text: str | Path) -> Path:
 
 
 SourceArgument = Annotated[str, typer.Argument(
-    help="Video, folder of pictures, ROS bag, .npy array, camera number or world:NAME=VALUE.", show_default=False)]
+    help="Video, folder of pictures, ROS bag, .npy array, camera number, stream (udp://:5600, rtsp://, http://) or "
+    "world:NAME=VALUE.", show_default=False)]
 CalibrationOption = Annotated[Path | None, typer.Option(
     "--calibration", rich_help_panel=SOURCE, help="Calibration of the camera, whose lens distortion is taken out of "
     "every frame: a file of `signum calibrate`, OpenCV, ROS (camera_info) or Kalibr (FILE#cam1 for another camera), or "

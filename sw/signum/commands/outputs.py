@@ -11,6 +11,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,13 +20,14 @@ from pathlib import Path, PurePosixPath
 
 from signum.common.errors import SignumError
 from signum.common.files import real_path, write_text
+from signum.common.urls import without_secrets
 from signum.sources.open import split_topic
 
 SOURCES = "source", "left", "right"
 """Parameters that name frames."""
 PAGE = "report.html"
 """The page that most commands write; those that share a folder replace each other's."""
-WITHOUT_PAGE = {f"run-{command}.jsonl" for command in ("filter", "simulate")}
+WITHOUT_PAGE = {f"run-{command}.jsonl" for command in ("export", "filter", "simulate")}
 """Records of the commands that write none."""
 SURVEY = "run.json", "frames/journal.txt"
 """Files that tell that a folder holds a survey, which has a page too."""
@@ -36,6 +38,7 @@ class _Record:
     source: str
     live: bool
     made: tuple[str, ...]
+    began_s: float = 0.0
 
 
 class Outputs:
@@ -47,12 +50,14 @@ class Outputs:
         source: what it runs on, for the record.
         live: whether the source is live.
         replace: whether to remove the files of an earlier run now; else they may only be overwritten.
+        began_s: time of the source's first frame, seconds on its own clock, for the record.
 
     Raises:
         SignumError: if another process writes into the folder, or it holds what came from a live source.
     """
 
-    def __init__(self, folder: Path, command: str, source: str = "", live: bool = False, replace: bool = True) -> None:
+    def __init__(self, folder: Path, command: str, source: str = "", live: bool = False, replace: bool = True,
+                 began_s: float | None = None) -> None:
         self.folder, self.command = folder, command
         folder.mkdir(parents=True, exist_ok=True)
         self._lock = lock(folder)
@@ -69,7 +74,7 @@ class Outputs:
             if replace:
                 for name in set(kept) - {PAGE}:  # which tells of other commands' runs too
                     (folder / name).unlink()
-            head = json.dumps({"source": source, "live": live})
+            head = json.dumps({"source": source, "live": live, **({"began_s": began_s} if began_s else {})})
             write_text(self._record, "".join(f"{line}\n" for line in (head, *map(json.dumps, sorted(self._mine)))))
             self._log = self._record.open("a", encoding="utf-8")
         except BaseException:
@@ -159,14 +164,21 @@ def move_aside(folder: Path) -> Path:
 
 def identity(source: str) -> str:
     """A source as the user named it, whatever the spelling: whole path of a file, with the topic of a bag; a camera or
-    the simulated world as it is."""
+    the simulated world as it is, a stream without its password."""
     try:
         file, topic = split_topic(source)
         if Path(file).exists():
             return f"{real_path(file)}{'#' if topic else ''}{topic}"
     except (OSError, ValueError):  # no name of a file
         pass
-    return source.removeprefix("camera:")
+    return without_secrets(source.removeprefix("camera:"))
+
+
+def began(folder: Path, command: str) -> float:
+    """The time of the first frame that a command's tables in a folder are of, seconds on its source's own clock; 0
+    where that is not known."""
+    record = _read(folder / f"run-{command}.jsonl")
+    return record.began_s if record else 0.0
 
 
 def check_inputs(folder: Path, command: str, values: Mapping[str, object]) -> None:
@@ -206,7 +218,7 @@ def _read(path: Path) -> _Record | None:
     try:
         head, *lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
         values = json.loads(head)
-        source, live = str(values["source"]), bool(values["live"])
+        source, live, began_s = str(values["source"]), bool(values["live"]), float(values.get("began_s", 0.0))
     except (OSError, ValueError, KeyError, TypeError):
         return None
     made = []
@@ -217,4 +229,4 @@ def _read(path: Path) -> _Record | None:
             continue
         if isinstance(name, str) and name and not {"..", "/"} & set(PurePosixPath(name).parts):
             made.append(name)
-    return _Record(source, live, tuple(dict.fromkeys(made)))
+    return _Record(source, live, tuple(dict.fromkeys(made)), began_s if math.isfinite(began_s) else 0.0)

@@ -95,6 +95,10 @@ class Session:
         with self._powered:
             with self._opened:
                 self._bar.close()
+            if whole and self.live:
+                lost = f"; {self.source.lost:,} packets were lost" if self.source.lost else ""
+                notes.print(f"{self.source.label}: {self.source.skipped:,} frames skipped, as newer ones came; those "
+                            f"taken were at most {1e3 * self.source.oldest_s:.0f} ms old{lost}")
             if self.report is not None:
                 self.report()
             if whole:
@@ -119,7 +123,8 @@ class Session:
     @cached_property
     def outputs(self) -> Outputs:
         """The folder for what is written, made and locked on first use."""
-        made = Outputs(self.folder, self.command, self.name, self.live)
+        first: Frame | None = self.__dict__.get("first")  # once it has been read
+        made = Outputs(self.folder, self.command, self.name, self.live, began_s=first.time_s if first else None)
         self._powered.callback(made.close)
         return made
 

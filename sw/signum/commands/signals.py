@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
@@ -70,6 +70,20 @@ def telling() -> Iterator[None]:
     with _stop.telling:
         yield
         _stop.told = True
+
+
+def leave(status: object) -> None:
+    """End the process at once if it was stopped and has told so: an interpreter with plots takes most of a second to
+    put its libraries away.
+
+    Args:
+        status: with which it is about to end.
+    """
+    if _stop.seen and _stop.told and status == STATUS:
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError):  # whoever read it may have gone
+                stream.flush()
+        os._exit(STATUS)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:

@@ -19,6 +19,7 @@ from signum.applications.mavlink.distance import DistanceSink
 from signum.commands.app import command
 from signum.commands.autopilot import InStep
 from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, MavlinkOption, OutOption, PairOption
+from signum.commands.outputs import identity
 from signum.commands.session import Session
 from signum.common.arrays import Image
 from signum.common.console import notes
@@ -144,6 +145,7 @@ def stereo(
         raise SourceError("--mavlink: without a --calibration there is no range to send")
     shares: list[float] = []
     session, other = Session("stereo", board, output, left, rate=told.rate), open_source(right)
+    session.name += f" and {identity(right)}"
     rig = open_rig(calibration).rectifier(session.first.size) if calibration is not None else None
     geometry = rig.geometry if rig else None
     with session as run:

@@ -66,6 +66,10 @@ class Source(ABC):
     """Nominal frames per second; None if it is not known."""
     skipped = 0
     """Frames that a live source did not give, as newer ones came."""
+    lost = 0
+    """Packets of a live source that never came."""
+    oldest_s = 0.0
+    """Greatest age of a live frame when it was given, seconds."""
 
     def __init__(self, label: str, count: int | None) -> None:
         self.label = printable(label)

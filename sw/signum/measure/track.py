@@ -8,12 +8,13 @@ longer be measured from their anchors, the frame before becomes an anchor for al
 that the older anchors gave them there: one more link in the chain. The anchor with the smallest expected error is used,
 so the chain is as short as the pictures allow, and becomes shorter again when an old view returns.
 
-Every link's error is estimated from its peak: a random part, and a part, due to perspective, that has the same
-direction in link after link. A position is valid while 98 % of such positions are within the wanted precision; after
-that the feature is flagged, and a new one, with an initial picture of its own, takes its place.
+Every link's error is estimated from its peak (`chain`): a random part, and a part, due to perspective, that has the
+same direction in link after link. A position is valid while 98 % of such positions are within the wanted precision;
+after that the feature is flagged, and a new one, with an initial picture of its own, takes its place.
 
 The board's slots bound the number of anchor pictures; if there are too many, the one that the fewest features are
-measured from is released. A feature that is not found is moved along with the others and searched for again.
+measured from is released, but never the first: a camera that returns to where it began finds its features again. A
+feature that is not found is moved along with the others and searched for again.
 """
 
 from __future__ import annotations
@@ -26,12 +27,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.arrays import Floats, Image
+from signum.measure.chain import Fix, Pin, pin, pin_by_corners
 from signum.measure.measurer import Measurement, Measurer, Query, View, white_match
 from signum.measure.predict import SearchPredictor
 from signum.measure.validity import Reason, Rules
 
 PRECISE_PX = 1.8
 """Error allowed in original pixels: 2 px, less the error of the reference that tracks are compared with."""
+
+TURNED_PX = 0.05
+"""Expected error due to a turned or scaled picture from which on the corners of a window are measured, pixels."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ class TrackSettings:
     widest_reach: int = 32
     """Largest search range of all."""
     patience: int = 100
-    """Number of frames after which a flagged feature is dropped."""
+    """Number of frames after which a flagged feature is dropped, unless it was chosen in the first picture."""
     rules: Rules = field(default_factory=Rules)
 
 
@@ -83,46 +88,12 @@ class TrackPoint:
     reason: str
 
 
-@dataclass(frozen=True)
-class _Fix:
-    """A position and its expected error, pixels: from link to link `noise` adds up in squares, `bias` linearly."""
-
-    position: Floats
-    noise: float = 0.0
-    bias: float = 0.0
-    links: int = 0
-
-    @property
-    def error(self) -> float:
-        """Distance that 98 % of such positions are within: 2.4 times the median one (Rayleigh)."""
-        return 2.4 * float(np.hypot(self.noise, self.bias))
-
-    def linked(self, step: Floats, score: float, apart: float, sigma: float, window: int) -> _Fix:
-        """The fix one measurement further on.
-
-        Measured on real seabed (two surveys, gaps of 1 to 12 frames, sigma 2.5, 64x64 windows): the median error of the
-        inner quarter grows linearly as the window's peak falls, from 0.2 px at 0.91 to 0.6 px at 0.7, as perspective
-        spreads the displacements in the window. At another sigma the same peak means a spread in proportion to sigma.
-        About half of the error repeats itself in the next link.
-
-        Args:
-            step: displacement, pixels.
-            score: peak, matching fraction.
-            apart: distance between the displacements of window and inner quarter, due to relief, pixels.
-            sigma: of the filter, pixels.
-            window: its side, pixels; below 64 the error grows by the square root of 64 / window.
-        """
-        error = (0.15 + 0.84 * sigma * max(0.93 - score, 0.0)) * max(1.0, (64 / window) ** 0.5)
-        return _Fix(self.position + step, float(np.hypot(self.noise, 0.7 * error)),
-                    self.bias + 0.5 * error + 0.2 * apart, self.links + 1)
-
-
 @dataclass(eq=False)
 class _Anchor:
     """A picture kept to measure features from, and the fix of each feature in it, by number."""
 
     view: View
-    fixes: dict[int, _Fix] = field(default_factory=dict)
+    fixes: dict[int, Fix] = field(default_factory=dict)
 
 
 @dataclass(eq=False)
@@ -131,7 +102,7 @@ class _Feature:
     home: Floats
     first: View
     """Its initial picture."""
-    fix: _Fix
+    fix: Fix
     velocity: Floats
     found: bool = True
     """Whether its last position was measured."""
@@ -142,27 +113,13 @@ class _Feature:
 
 
 @dataclass(frozen=True)
-class _Pin:
-    """The displacement of a window's centre with the peak of the whole window; `apart` is its distance from the
-    displacement of the whole window, pixels."""
-
-    whole: Measurement
-    apart: float = 0.0
-
-    @property
-    def step(self) -> Floats:
-        """Displacement, pixels."""
-        return np.array([self.whole.dx_px, self.whole.dy_px])
-
-
-@dataclass(frozen=True)
 class _Motion:
     """A feature's motion since the last frame, measured or, failing that, the common motion at its place. `pin` is the
     measurement."""
 
     step: Floats
     measured: bool
-    pin: _Pin
+    pin: Pin
 
 
 class Tracker:
@@ -203,12 +160,13 @@ class Tracker:
             for f in missing:
                 motion = motions[f.number]
                 f.anchor = kept
-                answers[f.number] = motion.pin.whole, self._onward(f.fix, motion.pin)
+                answers[f.number] = motion.pin.whole, f.fix.linked(motion.pin)
         points = [self._settle(f, motions[f.number], answers.get(f.number)) for f in self._features]
-        self._features = [f for f in self._features if f.flagged <= self._settings.patience]
+        first = self._anchors[0].view if self._anchors else None
+        self._features = [f for f in self._features if f.flagged <= self._settings.patience or f.first is first]
         return points
 
-    def _settle(self, f: _Feature, motion: _Motion, answer: tuple[Measurement, _Fix] | None) -> TrackPoint:
+    def _settle(self, f: _Feature, motion: _Motion, answer: tuple[Measurement, Fix] | None) -> TrackPoint:
         """Move a feature to its new position, and judge it."""
         before, found_before = f.fix.position, f.found
         if answer is None:
@@ -244,7 +202,7 @@ class Tracker:
         everywhere = np.array([f.fix.position for f in self._features]).reshape(-1, 2)
         common = dict(zip((f.number for f in self._features), _common_motion(
             starts, steps, np.array([a.whole.valid for a in answers], bool), everywhere), strict=True))
-        unseen = _Pin(Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE))
+        unseen = Pin(Measurement(0.0, 0.0, 0.0, 0.0, False, Reason.OUTSIDE))
         motions = {number: _Motion(step, False, unseen) for number, step in common.items()}
         errors = []
         for f, answer, step, guess in zip(watched, answers, steps, guesses, strict=True):
@@ -257,7 +215,7 @@ class Tracker:
         self._search.learn(np.array(errors), in_view)
         return motions
 
-    def _ask_anchors(self, live: View, motions: dict[int, _Motion]) -> dict[int, tuple[Measurement, _Fix]]:
+    def _ask_anchors(self, live: View, motions: dict[int, _Motion]) -> dict[int, tuple[Measurement, Fix]]:
         """Per feature measured well from an anchor: the measurement and fix with the smallest expected error."""
         s = self._settings
         asked: list[tuple[_Anchor, _Feature, int]] = []
@@ -273,12 +231,12 @@ class Tracker:
                 asked.append((anchor, f, reach))
                 guess = f.fix.position + motions[f.number].step - origin
                 queries.append(_query(anchor.view, live, origin, s.window, guess, reach))
-        best: dict[int, tuple[Measurement, _Fix]] = {}
+        best: dict[int, tuple[Measurement, Fix]] = {}
         rules = replace(s.rules, min_score=max(s.healthy_score, s.rules.min_score))
         for (anchor, f, reach), answer in zip(asked, self._pinpoint(queries, rules), strict=True):
             if not answer.whole.valid:
                 continue
-            fix = self._onward(anchor.fixes[f.number], answer)
+            fix = anchor.fixes[f.number].linked(answer)
             motion = motions[f.number]
             tolerance = s.agree_px if f.found and motion.measured else reach
             if np.hypot(*(fix.position - f.fix.position - motion.step)) > tolerance:
@@ -293,36 +251,37 @@ class Tracker:
         anchor = next((a for a in self._anchors if a.view is last), None)
         if anchor is None:
             if len(self._anchors) >= self._most_anchors:
-                users = [sum(not f.flagged and f.anchor is a for f in self._features) for a in self._anchors]
-                self._measurer.release(self._anchors.pop(int(np.argmin(users))).view)
+                kept = 1 if self._most_anchors > 1 else 0  # the first picture stays
+                users = [sum(not f.flagged and f.anchor is a for f in self._features) for a in self._anchors[kept:]]
+                self._measurer.release(self._anchors.pop(kept + int(np.argmin(users))).view)
             anchor = _Anchor(last)
             self._anchors.append(anchor)
         anchor.fixes.update({f.number: f.fix for f in self._features if f.found})
         return anchor
 
-    def _onward(self, fix: _Fix, pin: _Pin) -> _Fix:
-        return fix.linked(pin.step, pin.whole.score, pin.apart, self._measurer.sigma, self._settings.window)
-
-    def _pinpoint(self, queries: Sequence[Query], rules: Rules) -> list[_Pin]:
+    def _pinpoint(self, queries: Sequence[Query], rules: Rules) -> list[Pin]:
         """Measure windows, then the inner quarter of each one found, whose displacement is taken as that of the centre.
 
         A whole window follows the best-matching part of what it shows, which under perspective and relief is not its
         centre; the inner quarter alone is too small for a reliable match.
         """
         rules = replace(rules, texture=False)  # checked when the feature was chosen
-        pins = [_Pin(m) for m in self._measurer.measure(queries, rules)]
+        pins = [Pin(m) for m in self._measurer.measure(queries, rules)]
         found = [i for i, p in enumerate(pins) if p.whole.valid]
         least = self._measurer.window_range[0]
         inner = [replace(queries[i], width=max(queries[i].width // 2, least), height=max(queries[i].height // 2, least),
                          guess=(pins[i].whole.dx_px, pins[i].whole.dy_px), reach=(3, 3)) for i in found]
         loose = replace(rules, min_score=min(rules.min_score, 0.62), min_margin=0.0, backward=False)
         for i, part in zip(found, self._measurer.measure(inner, loose), strict=True):
-            whole = pins[i].whole
-            apart = float(np.hypot(part.dx_px - whole.dx_px, part.dy_px - whole.dy_px))
-            if not part.valid or apart > self._settings.agree_px:
-                pins[i] = _Pin(replace(whole, valid=False, reason=Reason.PARTS))
-            else:
-                pins[i] = _Pin(replace(whole, dx_px=part.dx_px, dy_px=part.dy_px), apart)
+            pins[i] = pin(pins[i].whole, part, self._measurer.sigma, self._settings.window, self._settings.agree_px)
+        turned = [i for i in found if pins[i].turned > TURNED_PX]
+        half = self._settings.window // 2
+        corners = [replace(queries[i], x=queries[i].x + dx * half // 2, y=queries[i].y + dy * half // 2, width=half,
+                           height=half, guess=tuple(pins[i].step), reach=(5, 5))
+                   for i in turned for dx in (-1, 1) for dy in (-1, 1)]
+        answers = self._measurer.measure(corners, loose)
+        for k, i in enumerate(turned):
+            pins[i] = pin_by_corners(pins[i], answers[4 * k:4 * k + 4], self._measurer.sigma, self._settings.window)
         return pins
 
     def _renew(self, live: View) -> list[TrackPoint]:
@@ -343,7 +302,7 @@ class Tracker:
         points: list[TrackPoint] = []
         for place, alike in zip(places, likeness, strict=True):
             if alike <= s.rules.max_likeness and len(present) + len(points) < s.features:
-                f = _Feature(self._born, place, live, _Fix(place), velocity)
+                f = _Feature(self._born, place, live, Fix(place), velocity)
                 self._born += 1
                 points.append(_point(f, Measurement(0.0, 0.0, 1.0, (1 - alike) * (1 - base), True), ""))
                 self._features.append(f)

@@ -114,6 +114,16 @@ class UndistortedSource(Source):
         """Of the source."""
         return self.source.skipped
 
+    @property
+    def lost(self) -> int:  # type: ignore[override]
+        """Of the source."""
+        return self.source.lost
+
+    @property
+    def oldest_s(self) -> float:  # type: ignore[override]
+        """Of the source."""
+        return self.source.oldest_s
+
     def _frames(self) -> Iterator[Frame]:
         maps: tuple[Floats, Floats] | None = None
         for frame in self.source:

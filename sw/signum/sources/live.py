@@ -11,6 +11,7 @@ from __future__ import annotations
 import time
 from abc import abstractmethod
 from collections.abc import Iterator
+from contextvars import copy_context
 from threading import Condition, Event, Thread
 
 import cv2
@@ -18,9 +19,6 @@ import numpy as np
 
 from signum.common.errors import SourceError
 from signum.frames.frame import Frame, Source
-
-LEAVE_S = 2.0
-"""Longest wait for a reader to end, seconds; one that hangs ends with the process."""
 
 
 class LiveSource(Source):
@@ -31,6 +29,8 @@ class LiveSource(Source):
     """
 
     live = True
+    leave_s = 1.0
+    """Longest wait for the reader to end, seconds; one that hangs ends with the process."""
 
     def __init__(self, label: str) -> None:
         super().__init__(label, None)
@@ -41,17 +41,20 @@ class LiveSource(Source):
         """Every frame as it comes, its time that of `time.monotonic()`; runs in a thread of its own."""
 
     def _frames(self) -> Iterator[Frame]:
-        self.skipped = 0
+        self.skipped, self.lost, self.oldest_s = 0, 0, 0.0
         self.stopping.clear()
         box = _Newest(self)
-        reader = Thread(target=box.fill, name=self.label, daemon=True)
+        # With the context of this thread, which holds the limit of a picture's size.
+        reader = Thread(target=copy_context().run, args=(box.fill,), name=self.label, daemon=True)
         reader.start()
         try:
             while (frame := box.take()) is not None:
+                if frame.time_s is not None:
+                    self.oldest_s = max(self.oldest_s, time.monotonic() - frame.time_s)
                 yield frame
         finally:
             self.stopping.set()
-            reader.join(LEAVE_S)
+            reader.join(self.leave_s)
 
 
 class _Newest:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Opens what a user names: a source (pictures, a video, a ROS bag, a camera, an array file or the simulated world), or
-a calibration."""
+"""Opens what a user names: a source (pictures, a video, a ROS bag, a camera, a stream, an array file or the simulated
+world), or a calibration."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from signum.common.checks import check_file
 from signum.common.errors import SourceError, lacking
+from signum.common.urls import is_stream
 from signum.frames.frame import Source
 from signum.geometry.calibration import CalibrationError, Lens, Rig, read_lens, read_rig
 from signum.geometry.document import Entries, read_entries
@@ -21,11 +22,17 @@ from signum.sources.files import (
     UndistortedSource,
 )
 from signum.sources.live import CameraSource
+from signum.sources.stream import AvSource
+from signum.sources.udp import UdpSource
 from signum.sources.video import VideoSource
 
 BAGS = frozenset({".bag", ".mcap", ".db3"})
 """A file with one of these endings is a ROS bag."""
 CAMERA = re.compile(r"(?:camera:)?(\d{1,2})$")
+DEVICE = re.compile(r"/dev/(?:video\d+|v4l/.+)$")
+UDP = re.compile(r"(?:udp|rtp)://", re.IGNORECASE)
+V4L2 = "video4linux2"
+"""FFmpeg's name of the driver of cameras."""
 RECTIFIED = re.compile(r"#.*/image_rect(?:_mono|_color|_raw)?(?:/\w+)?$")
 """A topic that ROS' image_proc has rectified."""
 WORLD = re.compile(r"world(?::|$)")
@@ -36,8 +43,8 @@ def open_source(text: str | Path, calibration: str | Path | None = None) -> Sour
 
     Args:
         text: a folder, a picture, a video, a .npy array, a ROS bag (`dive.bag`, `dive.mcap` or a bag's folder, followed
-            by `#topic` if it has several), a camera (`0` or `camera:0`) or the simulated world (`world` or
-            `world:name=value,...`).
+            by `#topic` if it has several), a camera (`0`, `camera:0` or `/dev/video0`), a stream (`udp://:5600`,
+            `rtsp://...` or `http://...`) or the simulated world (`world` or `world:name=value,...`).
         calibration: of the camera, whose distortion is taken out of every frame, as `open_lens` reads it; None for
             none.
 
@@ -121,9 +128,13 @@ def _open(text: str | Path) -> Source:
         from signum.sources.simulated import WorldSource  # loads slowly
 
         return WorldSource.named(str(text))
+    if is_stream(str(text)):
+        return UdpSource(str(text)) if UDP.match(str(text)) else AvSource(str(text))
     path = Path(text)
     if path.is_dir():
         return FolderSource(path)
+    if DEVICE.match(str(text)):
+        return AvSource(str(text), V4L2)
     if not path.exists():
         camera = CAMERA.match(str(text))
         if camera:

@@ -54,6 +54,10 @@ a), spread and residual of the windows that agree, original pixels, their number
 refusal."""
 ACCURACY = "method", "error", "unit", "rmse", "mean", "median", "std", "min", "max", "pairs"
 """`accuracy.csv`: statistics of a mosaic's errors, over frames (APE) or pairs of consecutive frames (RPE)."""
+GROUND = "component", "pixel_m", "turn_deg", "east_m", "north_m", "epsg"
+"""`ground.csv`: how the mosaic plane of `poses.csv` (component 1), `poses-2.csv`, ... lies on the ground, where that is
+known: metres that its pixel covers, angle by which it is turned clockwise to be north up, place of its pixel (0, 0),
+and the EPSG code of these coordinates; 0 where it is not known, as for metres from the first frame."""
 SCENE_TRUTH = "north_m", "east_m", "altitude_m", "roll_deg", "pitch_deg", "heading_deg"
 """`truth.csv` of a simulated scene, after frame and time_s: pose of the camera; altitude is the median depth of what it
 sees."""

@@ -74,6 +74,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
         write_picture(place / f"in/{k:03d}.png", _view(k))
     result = _mosaic(place / "in", "--out", place / "out")
     assert result.exit_code == 0 and not (place / "out" / "mosaic.tif").exists(), result.output
+    # Every frame once for the light, once for the seams together, and once for the bands.
+    assert f" {2 * FRAMES + 1}/? " in next(line for line in result.stderr.splitlines() if "blending" in line)
     return Made(place / "in", place / "out")
 
 
@@ -132,6 +134,26 @@ def test_every_frame_lies_where_the_log_has_it(made: Made, out: Path, kind: str,
         metres = project(*np.array(DEGREES).T)
         east, north = metres.east.tolist(), metres.north.tolist()
     assert _found(out / "mosaic.tif", east, north) <= 1
+    exported = CliRunner().invoke(application("export"), ["export", str(out), "--rate", "10"])
+    assert exported.exit_code == 0, exported.output
+    poses = np.loadtxt(out / "poses.tum")
+    assert np.abs(poses[:, 1:3] - np.stack([east, north], 1)).max() < 1.5 * PIXEL, "by another way than the picture's"
+    assert np.degrees(2 * np.arctan2(poses[:, 6], poses[:, 7])) == pytest.approx(90, abs=1.5), (
+        "grid north is up to 1.2 degrees off")
+
+
+def test_the_verilated_board_lays_it_by_time_too(made: Made, tmp_path: Path) -> None:
+    """The same edge of two frames, and the same places in the GeoTIFF, by a log with times."""
+    out = tmp_path / "out"
+    (tmp_path / "in").mkdir()
+    for k in range(2):
+        shutil.copy(made.frames / f"{k:03d}.png", tmp_path / "in")
+    result = _mosaic(tmp_path / "in", "--navigation", _log(tmp_path / "n.csv", *_rows("time")), "--epsg", "32755",
+                     "--rate", "10", "--start", "10000", "--board", "verilated", "--out", out)
+    assert result.exit_code == 0 and "laid by 2 fixes" in result.output, result.output
+    edges = [(folder / "edges.csv").read_text().splitlines()[:2] for folder in (out, made.out)]
+    assert edges[0] == edges[1]
+    assert _found(out / "mosaic.tif", EAST[:2], NORTH[:2]) <= 1
 
 
 @pytest.mark.parametrize(("kind", "options", "says"), [

@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 from signum.commands.cli import application
 from signum.common.files import write_picture
 
+from ..report.heads import check_head
+
 SIZE = 192, 144
 
 
@@ -35,4 +37,6 @@ def test_nothing_measured(command: tuple[str, ...], table: str, unlike: Path, tm
     words = [word.replace("{in}", str(unlike)) for word in command]
     result = CliRunner().invoke(application(), [*words, "--out", str(tmp_path)])
     assert result.exit_code == 1 and "nothing could be measured in" in result.stderr, result.output
-    assert len((tmp_path / table).read_text().splitlines()) > 1 and (tmp_path / "report.html").exists()
+    assert len((tmp_path / table).read_text().splitlines()) > 1
+    source = {"stereo": f"{unlike}/0.png and {unlike}/1.png", "navigate": f"{unlike}/2.png"}.get(command[0], unlike)
+    check_head(tmp_path / "report.html", command[0], str(source))

@@ -31,6 +31,8 @@ from signum.world.camera import Pinhole
 from signum.world.seafloor import Seafloor
 from signum.world.world import World
 
+from ..report.heads import check_head
+
 app = application()
 
 SMALL = Pinhole((192, 144), 200.0)
@@ -117,7 +119,7 @@ def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray], windo
     assert tuple(rows[0]) == FOLLOW and [r["state"] for r in rows] == ["lost"] * 3 + ["seen"] * 5
     for k, r in enumerate(rows[3:], 3):
         assert np.hypot(float(r["x_px"]) - (66 + 6 * k), float(r["y_px"]) - 68) < 16
-    assert (tmp_path / "out" / "report.html").exists()
+    check_head(tmp_path / "out" / "report.html", "follow", str(tmp_path / "film.npy"))
     capture = cv2.VideoCapture(str(tmp_path / "out" / "follow.mp4"))
     assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 8
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from signum.common.checks import check_pixels, megapixels
 from signum.common.errors import SourceError
 from signum.frames.frame import Frame
 from signum.sources.live import LiveSource
@@ -65,3 +66,15 @@ def test_leaving_stops_the_reader() -> None:
     next(frames)
     frames.close()  # type: ignore[attr-defined]
     assert source.stopping.is_set() and source.given < FRAMES
+
+
+def test_the_limit_of_a_pictures_size_holds_in_the_readers_thread() -> None:
+    """Where a picture is decoded, before it is as large as the limit forbids."""
+    class Large(Clockwork):
+        def _arrivals(self) -> Iterator[Frame]:
+            check_pixels(100, 100, "the decoder", SourceError)
+            yield from super()._arrivals()
+
+    assert next(iter(Large())).name == "0"
+    with megapixels(0.005), pytest.raises(SourceError, match="the decoder: 100x100 are"):
+        next(iter(Large()))

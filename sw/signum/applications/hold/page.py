@@ -51,14 +51,16 @@ def hold_bars(f: HoldFigures) -> tuple[Bar, ...]:
 
 
 def hold_section(title: str, about: str, series: Floats, shots: Sequence[tuple[str, Image]],
-                 bars: tuple[Bar, ...] = ()) -> Section:
+                 bars: tuple[Bar, ...] = (), counts: tuple[int, int] | None = None) -> Section:
     """The section of a hold.
 
     Args:
         series: as `HoldRecord.series`; shots: as `HoldRecord.shots`.
+        counts: frames, and those with a reading, where the series has not all of them.
     """
     ok = series[:, 5] > 0
-    facts = [("frames", str(len(series))), ("with a reading", f"{ok.mean():.1%}"),
+    frames, valid = counts or (len(series), int(ok.sum()))
+    facts = [("frames", str(frames)), ("with a reading", f"{valid / frames:.1%}"),
              ("median confidence of those", f"{np.median(series[ok, 5]):.0f}" if ok.any() else "-")]
     grey = ", the truth in grey" if series.shape[1] > 6 else ""
     return Section(title, paragraph(about) + plot(draw_series(series), f"Readings{grey}.")

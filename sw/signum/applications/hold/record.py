@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes `hold.csv` row by row, and keeps some frames with the reading drawn in for the report."""
+"""Writes `hold.csv` row by row, and keeps what the report shows: a series and some frames with the reading drawn in.
+
+What is kept is bounded, however long the run: of a long one every second, fourth, ... frame of the series, a frame
+without a reading before its neighbours, and pictures farther apart.
+"""
 
 from __future__ import annotations
 
 import math
+from array import array
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,6 +21,11 @@ from signum.frames.frame import grey
 from signum.report.draw import GREEN, RED, write_line
 from signum.tables.schemas import HOLD, HOLD_TRUTH
 from signum.tables.table import Table
+
+MOST_ROWS = 1 << 13
+"""Frames of the series that are kept; even."""
+CONFIDENCE = 5
+"""Column of the series."""
 
 
 def hold_row(frame: str, time: float, r: Reading) -> list[object]:
@@ -53,8 +63,11 @@ class HoldRecord:
     Attributes:
         folder: exists.
         truth: whether the rows contain the simulation's truth.
+        often: seconds between pictures at first.
+        most: pictures that are kept.
         shots: (caption, frame with the reading drawn in): first, every `often` seconds, and where readings stop or
-            return; at most `most`.
+            return.
+        count: frames; valid: those with a reading.
     """
 
     folder: Path
@@ -62,8 +75,12 @@ class HoldRecord:
     often: float = 60.0
     most: int = 9
     shots: list[tuple[str, Image]] = field(default_factory=list)
-    rows: list[tuple[float, ...]] = field(default_factory=list)
+    count: int = 0
     valid: int = 0
+    _rows: array[float] = field(init=False, repr=False, default_factory=lambda: array("d"))
+    _worst: tuple[float, ...] | None = field(init=False, repr=False, default=None)
+    _every: int = field(init=False, repr=False, default=1)
+    _turns: list[bool] = field(init=False, repr=False, default_factory=list)
     _table: Table = field(init=False, repr=False)
     _was_valid: bool | None = field(init=False, default=None)
     _next_shot: float = field(init=False, default=0.0)
@@ -83,19 +100,46 @@ class HoldRecord:
             row += [f"{truth[0]:.5f}", f"{truth[1]:.5f}", f"{math.degrees(truth[2]):.4f}", f"{truth[3]:.5f}"]
         self._table.write(row)
         self.valid += reading.valid
-        self.rows.append((time, reading.forward, reading.right, reading.heading, reading.range_m,
-                          float(reading.confidence), *(truth or ())))
+        self.count += 1
+        self._keep((time, reading.forward, reading.right, reading.heading, reading.range_m, float(reading.confidence),
+                    *(truth or ())))
         turned = self._was_valid is not None and reading.valid != self._was_valid
-        if len(self.shots) < self.most and (turned or time >= self._next_shot):
-            why = "" if not turned else ", found again" if reading.valid else ", lost"
-            self.shots.append((f"{time:.1f} s{why}", draw_reading(picture, reading, features, window)))
+        if turned or time >= self._next_shot:
+            if len(self.shots) >= self.most:
+                self._spread()
+            if len(self.shots) < self.most:
+                why = "" if not turned else ", found again" if reading.valid else ", lost"
+                self.shots.append((f"{time:.1f} s{why}", draw_reading(picture, reading, features, window)))
+                self._turns.append(turned)
             self._next_shot = max(self._next_shot, time + self.often) if not turned else self._next_shot
         self._was_valid = reading.valid
+
+    def _keep(self, row: tuple[float, ...]) -> None:
+        """Take a row into the series: of each `_every` rows that of the least confidence."""
+        if self._worst is None or row[CONFIDENCE] < self._worst[CONFIDENCE]:
+            self._worst = row
+        if self.count % self._every:
+            return
+        self._rows.extend(self._worst)
+        self._worst = None
+        if len(self._rows) >= MOST_ROWS * len(row):
+            pairs = np.array(self._rows).reshape(-1, 2, len(row))
+            kept = pairs[np.arange(len(pairs)), pairs[:, :, CONFIDENCE].argmin(1)]
+            self._rows = array("d", kept.tobytes())
+            self._every *= 2
+
+    def _spread(self) -> None:
+        """Drop every second picture that was taken for the time alone, the first aside, and take them less often."""
+        plain = [k for k, turned in enumerate(self._turns) if not turned]
+        for k in reversed(plain[1::2]):
+            del self.shots[k], self._turns[k]
+        self.often *= 2
 
     @property
     def series(self) -> Floats:
         """(n, 6) time, forward, right, heading, range, confidence; (n, 10) with the four of the truth after them."""
-        return np.array(self.rows, np.float64).reshape(len(self.rows), 10 if self.truth else 6)
+        rows = [*self._rows, *(self._worst or ())]
+        return np.array(rows, np.float64).reshape(-1, 10 if self.truth else 6)
 
     def close(self) -> None:
         """Close the table."""

@@ -31,8 +31,14 @@ BANDS = 4
 RIM = 2
 """Pixels left out along the frames' edges, where cameras and scanners leave marks."""
 
+Told = Callable[[str], None]
+"""Gets a phrase for each picture that is done, in each part of the work."""
 Box = tuple[int, int, int, int]
 """Left, top, right, bottom (exclusive), pixels of the mosaic."""
+
+
+def silent(phrase: str) -> None:
+    """Tells nobody."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class Mosaic:
 
 
 def compose(pictures: Sequence[Image], places: Sequence[Similarity], most_pixels: int = MOST_PIXELS,
-            block: int = BLOCK) -> Mosaic:
+            block: int = BLOCK, told: Told = silent) -> Mosaic:
     """Blend pictures.
 
     Args:
@@ -59,6 +65,7 @@ def compose(pictures: Sequence[Image], places: Sequence[Similarity], most_pixels
         places: pixels of each picture -> mosaic plane.
         most_pixels: of the mosaic.
         block: side of what is blended at a time, pixels.
+        told: called as the work goes on.
     """
     sizes, grey = [], True
     for picture in pictures:
@@ -68,13 +75,13 @@ def compose(pictures: Sequence[Image], places: Sequence[Similarity], most_pixels
     extent = high - low + 1
     scale = min(1.0, float(np.sqrt(most_pixels / (extent[0] * extent[1]))))
     view = Similarity(complex(scale), -scale * complex(low[0], low[1]))
-    matched = _match(pictures, [view @ place for place in places])
+    matched = _match(pictures, [view @ place for place in places], told)
     width, height = (int(v) for v in np.ceil(extent * scale))
     out = np.zeros((height, width) if grey else (height, width, 3), np.uint8)
     for top in range(0, height, block):
         for left in range(0, width, block):
             box = left, top, min(left + block, width), min(top + block, height)
-            part = _blend(pictures, matched, box)
+            part = _blend(pictures, matched, box, told)
             if part is not None:
                 out[box[1]:box[3], box[0]:box[2]] = part[:, :, 0] if grey else part
     return Mosaic(out, (float(low[0]), float(low[1])), scale)
@@ -156,7 +163,7 @@ class _Matched:
         return tile, np.where(np.asarray(wide) > 127, mask, 0).astype(np.uint8), spot
 
 
-def _match(pictures: Sequence[Image], places: Sequence[Similarity]) -> list[_Matched]:
+def _match(pictures: Sequence[Image], places: Sequence[Similarity], told: Told) -> list[_Matched]:
     """Even out the exposure of the pictures and find the seams along which they differ least.
 
     Both are worked out at a smaller scale. The gains are one number a picture, for exposure, then smooth maps, for the
@@ -181,6 +188,7 @@ def _match(pictures: Sequence[Image], places: Sequence[Similarity]) -> list[_Mat
         small.append(tile)
         cut.append(mask)
         at.append(spot)
+        told("light")
     if len(small) == 1:
         return [_Matched(places[0], boxes[0], cut[0], lambda tile, spot, mask: tile, light)]
     kinds = [cv2.detail.EXPOSURE_COMPENSATOR_GAIN]
@@ -200,6 +208,7 @@ def _match(pictures: Sequence[Image], places: Sequence[Similarity]) -> list[_Mat
             return tile
         return even
 
+    told("seams")
     finder = cv2.detail.DpSeamFinder("COLOR_GRAD")
     seams = finder.find([_umat(t.astype(np.float32)) for t in small], at, [_umat(m) for m in cut])
     grown = [np.asarray(cv2.dilate(seam.get(), np.ones((3, 3), np.uint8)), np.uint8) for seam in seams]
@@ -228,7 +237,7 @@ def _lit(picture: Image, light: NDArray[np.float32] | None) -> Image:
     return np.asarray(np.clip(picture * (gain if picture.ndim == 2 else gain[:, :, None]), 0, 255), np.uint8)
 
 
-def _blend(pictures: Sequence[Image], matched: Sequence[_Matched], box: Box) -> Image | None:
+def _blend(pictures: Sequence[Image], matched: Sequence[_Matched], box: Box, told: Told) -> Image | None:
     """A block of the mosaic, uint8 (h, w, 3); None where no picture reaches."""
     wide = box[0] - MARGIN, box[1] - MARGIN, box[2] + MARGIN, box[3] + MARGIN
     blender = cv2.detail.MultiBandBlender()
@@ -238,6 +247,7 @@ def _blend(pictures: Sequence[Image], matched: Sequence[_Matched], box: Box) -> 
     for tile, mask, spot in _tiles(pictures, matched, wide):
         blender.feed(tile.astype(np.int16), mask, spot)
         any_fed = True
+        told("blending")
     if not any_fed:
         return None
     blended, covered = blender.blend(np.empty(0, np.int16), np.empty(0, np.uint8))

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from signum.applications.mosaic.blend import compose, sketch
+from signum.applications.mosaic.blend import Told, compose, silent, sketch
 from signum.applications.mosaic.georeference import Georeference, ground_lines, world_of
 from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
@@ -18,7 +18,7 @@ from signum.common.arrays import Image
 from signum.common.errors import SignumError
 from signum.common.files import write_picture, write_text
 from signum.geometry.similarity import IDENTITY
-from signum.tables.schemas import POSES
+from signum.tables.schemas import GROUND, POSES
 from signum.tables.table import csv_line
 
 THUMB = 240
@@ -36,6 +36,7 @@ class Results:
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
         cog: whether these are Cloud Optimized GeoTIFFs.
+        told: hears of each picture that is blended.
         grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
     """
@@ -44,9 +45,11 @@ class Results:
         self._ledger = ledger
         self.ground: Grounding | None = None
         self.cog = False
+        self.told: Told = silent
         self.grounded: list[str] = []
         self.trouble = ""
         self._sizes: list[str] = []
+        self._planes: dict[int, Georeference] = {}
         self._thumbs: dict[str, Image] = {}
 
     def show(self, name: str, picture: Image | None = None) -> Image:
@@ -77,13 +80,16 @@ class Results:
     def write_all(self) -> None:
         """Write the poses, and the mosaics of the largest component and of all others with more than one frame."""
         self.write_poses()
-        self.trouble, self.grounded, self._sizes = "", [], []
+        self.trouble, self.grounded, self._sizes, self._planes = "", [], [], {}
         blended, grounded = set(), set()
         for number, piece in enumerate(self._ledger.ranked(), 1):
             if number == 1 or len(piece.stored) > 1:
                 blended.add(number)
-                if self._write_mosaic(piece, suffix(number)):
+                geo = self._write_mosaic(piece, suffix(number))
+                if geo is not None:
                     grounded.add(number)
+                    self._planes[number] = geo
+        self._write_ground()
         self._drop(r"mosaic(?:-(\d+))?\.png", blended)
         self._drop(r"mosaic(?:-(\d+))?\.(?:pgw|tif)", grounded)
 
@@ -94,8 +100,17 @@ class Results:
             if found and int(found[1] or 1) not in numbers:
                 self._ledger.shelf.unmake(name)
 
-    def _write_mosaic(self, piece: Piece, ending: str) -> bool:
-        """Write a piece's mosaic; returns whether its place on the ground is known."""
+    def _write_ground(self) -> None:
+        """Write how the planes of the poses lie on the ground; nothing where no place is known."""
+        rows = [[number, f"{geo.pixel_m:.9g}", f"{geo.onto.rot_deg:.5f}", f"{geo.onto.shift.real:.4f}",
+                 f"{-geo.onto.shift.imag:.4f}", geo.epsg] for number, geo in sorted(self._planes.items())]
+        if rows:
+            write_text(self._ledger.shelf.make("ground.csv"), "".join(map(csv_line, [GROUND, *rows])))
+        else:
+            self._ledger.shelf.unmake("ground.csv")
+
+    def _write_mosaic(self, piece: Piece, ending: str) -> Georeference | None:
+        """Write a piece's mosaic; returns its place on the ground, if that is known."""
         ledger = self._ledger
         geo: Georeference | None = None
         if self.ground is not None:
@@ -105,7 +120,8 @@ class Results:
                 of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
                 self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
-        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored])
+        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored],
+                         told=self.told)
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
@@ -116,7 +132,7 @@ class Results:
         step = world_of(mosaic, geo)[0] if geo else 0.0
         self._sizes.append(f"mosaic{ending}.png {width}x{height} px"
                            + (f", {width * step:.2f} x {height * step:.2f} m" if geo else ""))
-        return geo is not None
+        return geo
 
     def size(self) -> str:
         """The sizes of the mosaics written, in words."""

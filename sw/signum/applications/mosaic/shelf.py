@@ -33,7 +33,7 @@ RECORD, EDGES_FILE, JOURNAL = "run.json", "edges.csv", "frames/journal.txt"
 """Files of every survey."""
 ALWAYS = "poses.csv", "mosaic.png"
 """Files that are made of every survey."""
-FILES = re.compile(r"run\.json|edges\.csv|accuracy\.csv|poses(-\d+)?\.csv|mosaic(-\d+)?\.(png|pgw|tif)")
+FILES = re.compile(r"run\.json|(?:edges|accuracy|ground)\.csv|poses(-\d+)?\.csv|mosaic(-\d+)?\.(png|pgw|tif)")
 """Names of the files that a survey writes, apart from those in `frames`."""
 
 

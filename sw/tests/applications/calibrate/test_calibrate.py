@@ -37,6 +37,7 @@ from tests.applications.calibrate.scene import (
     through_port,
     undistortion_error,
 )
+from tests.report.heads import check_head
 
 TURN = np.asarray(cv2.Rodrigues(np.array([0.01, -0.02, 0.005]))[0], np.float64)
 MOVE = -TURN @ np.array([0.08, 0.001, 0.002])
@@ -79,6 +80,7 @@ def test_a_camera_from_pictures_of_a_charuco_board(tmp_path: Path) -> None:
     assert lens.size == SIZE and not lens.fisheye and focal < 0.003 and centre < 1.0
     assert undistortion_error(lens, NARROW) < 0.5
     assert "the board in 14 of 15 frames" in result.stderr
+    check_head(out / "report.html", "calibrate", str(tmp_path / "in"), board=False)
     page = (out / "report.html").read_text()
     assert page.count("data:image/png") == 4 and "://" not in page and "field of view" in page
     assert len(list(open_source(tmp_path / "in", out / "calibration.yaml"))) == 15, "--calibration takes it"
