@@ -28,7 +28,7 @@ UNITS = {
     "state": "word", "reason": "phrase, empty if accepted", "method": "word", "error": "word", "unit": "word",
     "section": "word", "figure": "phrase", "relation": "sign", "score": "matching fraction, 0 to 1",
     "margin": "matching fraction", "valid": "0 or 1", "accepted": "0 or 1", "sharp": "0 or 1", "met": "0 or 1",
-    "camera": "word", "used": "0 or 1", "corners": "number",
+    "camera": "word", "used": "0 or 1", "corners": "number", "reference": "number",
     "scale": "ratio", "confidence": "0 to 100", "agreed": "windows", "tried": "windows",
     "windows": "number", "direct": "features", "links": "measurements", "pairs": "number",
     "component": "number", "epsg": "code",
