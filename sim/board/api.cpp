@@ -113,10 +113,11 @@ int slog_surface(Board* b, uint16_t* scores, int64_t count, uint64_t timeout) {
 int64_t slog_surface_waiting(const Board* b) { return static_cast<int64_t>(b->clock.surface.scores.size()); }
 
 // Plays register accesses on the five channels, each in its own time (see accesses.hpp); returns how many rules of AXI4-Lite
-// the board broke.
+// the board broke. The driver takes over again afterwards.
 int64_t slog_accesses(Board* b, SlogAccess* accesses, int64_t count, int overlap) {
-  b->driver.forget();
-  return AccessPlayer(b->clock, accesses, count, overlap).play();
+  const int64_t broken = AccessPlayer(b->clock, accesses, count, overlap).play();
+  b->driver.take_over();
+  return broken;
 }
 
 }  // extern "C"

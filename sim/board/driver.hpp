@@ -46,14 +46,17 @@ class Driver {
   void start() {
     jobs_.clear();
     results_.clear();
-    forget();
     on_board_ = 0;
     job_depth_ = UNPACK(SLOG_CSR__BUILD_QUEUE__JOB_DEPTH, bus_.read(ADDRESS(build_queue)));
-    bus_.write(ADDRESS(irq_enable), SLOG_CSR__IRQ_ENABLE__RESULT_bm);
+    take_over();
   }
 
-  // To be called after anybody else has written registers.
-  void forget() { written_.assign(sizeof(slog_csr_t) / 4, kUnknown); }
+  // To be called after anybody else has written registers: forgets what they hold, and enables the interrupt that tells of
+  // results.
+  void take_over() {
+    written_.assign(sizeof(slog_csr_t) / 4, kUnknown);
+    bus_.write(ADDRESS(irq_enable), SLOG_CSR__IRQ_ENABLE__RESULT_bm);
+  }
 
   // Sets the kernels (`count` coefficients each, centre first) and the image size; waits until they are in use.
   bool set_filter(const int32_t* g, const int32_t* g2, int count, int width, int height, uint64_t timeout) {

@@ -6,7 +6,7 @@ Of these one contiguous blob of windows is kept: isolated windows are mostly wro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -17,14 +17,14 @@ from scipy.sparse.csgraph import connected_components
 from signum.common.arrays import Floats
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
-from signum.measure.stereo import RangeMap
+from signum.measure.stereo import STEREO_RULES, RangeMap
 from signum.measure.validity import Rules
 
 Mask = NDArray[np.bool_]
 
 LEAST_WINDOWS = 3
 """Least number of windows of a blob."""
-NEAR_RULES = Rules(min_score=0.7, min_margin=0.02, max_return_px=1.0)
+NEAR_RULES = replace(STEREO_RULES, max_return_px=1.0)
 """For disparities: a window on the outline of a fish may match the fish or its background; contiguity decides."""
 FLOW_RULES = Rules(min_score=0.62, min_margin=0.03, backward=False, texture=False)
 """For flow: isolated wrong measurements are rejected by contiguity."""
