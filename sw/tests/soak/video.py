@@ -19,6 +19,8 @@ from tests.soak.case import Case, Difference, Operation, Part, config_of, extrem
 WILD = "noise", "starts"
 """Streams whose drops are not predicted: any marks anywhere; a start of frame at every pixel."""
 LENGTH = 25
+IN_RESET = 20
+"""More clocks than a reset lasts on the board."""
 
 
 class Video(Part):
@@ -180,12 +182,12 @@ class _Cameras:
         self._check_planes("after an abort")
 
     def _reset(self, o: Operation) -> None:
-        """A reset in mid-frame; the rest of the frame arrives after it."""
+        """A reset in mid-frame; the rest of the frame, one pixel or more, arrives after it."""
         size = self.device.size
         beats = self._beats("good", o["seed"])
         for camera in range(2):
             self.device.play_beats(beats, camera)
-        self.device.tick(int(o["sent"] * len(beats)))
+        self.device.tick(int(o["sent"] * (len(beats) - IN_RESET)))
         self.device.restart(o["clocks"])
         self.device.finish_playing()
         self.closed = [False] * self.config.cameras
