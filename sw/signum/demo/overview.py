@@ -72,12 +72,15 @@ def draw_paths(flight: DemoFlight) -> Image:
 
 
 def _column(panels: list[Image]) -> Image:
-    """Panels above one another, of equal height, OVERVIEW_HEIGHT pixels together, with a gap to the right."""
+    """Panels above one another, of equal height, OVERVIEW_HEIGHT pixels together; a gap to the right of the widest."""
     room = (OVERVIEW_HEIGHT - PANEL_GAP * (len(panels) - 1)) // len(panels)
     shown = []
     for panel in panels:
         colour = panel if panel.ndim == 3 else np.asarray(cv2.cvtColor(panel, cv2.COLOR_GRAY2BGR), np.uint8)
         width = round(colour.shape[1] * room / colour.shape[0])
         fitted = np.asarray(cv2.resize(colour, (width, room), interpolation=cv2.INTER_AREA), np.uint8)
-        shown.append(cv2.copyMakeBorder(fitted, 0, PANEL_GAP, 0, PANEL_GAP, cv2.BORDER_CONSTANT, value=(255, 255, 255)))
+        shown.append(fitted)
+    widest = max(panel.shape[1] for panel in shown)
+    shown = [np.asarray(cv2.copyMakeBorder(p, 0, PANEL_GAP, 0, PANEL_GAP + widest - p.shape[1], cv2.BORDER_CONSTANT,
+                                           value=(255, 255, 255)), np.uint8) for p in shown]
     return np.asarray(np.vstack(shown)[:OVERVIEW_HEIGHT], np.uint8)

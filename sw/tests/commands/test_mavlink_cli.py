@@ -65,10 +65,13 @@ def test_hold_sends_odometry(tmp_path: Path, film: list[np.ndarray]) -> None:
 
 
 def test_the_deltas_of_a_run_add_up_to_its_last_reading(tmp_path: Path) -> None:
-    """The view stands, jumps by more than the search reaches, and stands there: the vehicle went to the right."""
-    noise = np.random.default_rng(6).normal(128, 120, (144, 240))
-    floor = np.clip(cv2.GaussianBlur(noise, (0, 0), 2.5), 0, 255).astype(np.uint8)
-    np.save(tmp_path / "film.npy", np.stack([floor[:, (0 if k < 5 else 24):][:, :192] for k in range(16)]))
+    """The view stands, is hidden while the vehicle goes to the right, and stands there."""
+    rng = np.random.default_rng(6)
+    floor, hidden = (np.clip(cv2.GaussianBlur(rng.normal(128, 120, (144, 240)), (0, 0), 2.5), 0, 255).astype(np.uint8)
+                     for _ in range(2))
+    film = [floor[:, (0 if k < 5 else 24):][:, :192] for k in range(16)]
+    film[5:7] = hidden[:, :192], hidden[:, 24:216]
+    np.save(tmp_path / "film.npy", np.stack(film))
     with receiver() as other:
         result = _run("hold", "--source", tmp_path / "film.npy", "--range", "1", "--focal", "200", "--window", "32",
                       "--mavlink", other.address, "--out", tmp_path / "out")
