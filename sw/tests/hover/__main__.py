@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A hover that holds and recovers, held to its bars on rendered clips; `make hover`.
 
-    python -m tests.hover [--seeds 20,21,22] [--floors gravel,world:grass] [--frames 150]
+    python -m tests.hover [--seeds 60,61,62] [--floors gravel,world:grass] [--frames 150]
 
 Every floor with every event and seed, in murky water; the status is 1 if a bar is missed. Times are of processor time a
 frame, the rendering of the clip included.
@@ -22,7 +22,7 @@ from tests.hover.clips import EVENTS, FLOORS, Clip
 def main() -> int:
     """Measure and print; returns the exit status."""
     parser = argparse.ArgumentParser(description="Hover clips against their bars.")
-    parser.add_argument("--seeds", default="20,21,22", help="of the clips; 0 to 9 were used for development")
+    parser.add_argument("--seeds", default="60,61,62", help="of the clips; 0 to 9 and 20, 21 were used for development")
     parser.add_argument("--floors", default=",".join(FLOORS))
     parser.add_argument("--events", default=",".join(EVENTS))
     parser.add_argument("--frames", type=int, default=150)
