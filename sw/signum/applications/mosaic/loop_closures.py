@@ -12,7 +12,10 @@ import numpy as np
 from signum.applications.mosaic.edges import JOIN, LOOP, Edge
 from signum.applications.mosaic.graph import precision
 from signum.applications.mosaic.ledger import Ledger, Piece
+from signum.applications.mosaic.likelihood import surprise
+from signum.applications.mosaic.revise import revise
 from signum.geometry.similarity import IDENTITY, Similarity, overlap
+from signum.measure.register import Rival
 
 
 class Loops:
@@ -94,22 +97,29 @@ class Loops:
         return math.hypot(known, piece.solution.usual * math.hypot(1.0, lever) / math.sqrt(precision(by)))
 
     def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Edge:
-        """Measure an edge around its prediction; refused if it differs by more than the uncertainty allows."""
-        slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
-        reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
-        near = reach <= self._settings.farthest
-        result = self._ledger.register(a, b, predicted if near else None,
-                                       max(reach, self._registrar.limits.reach) if near else None)
-        reason = ""
-        if result.accepted:
-            point = np.array(result.middle)
-            miss = float(np.hypot(*(result.similarity(point) - predicted(point))))
-            turned = abs((result.similarity @ predicted.inverse).rot_deg)
-            if result.agreed < max(self._settings.share * result.tried, self._settings.agreed):
-                reason = f"only {result.agreed} of {result.tried} windows agree"
-            elif miss > slack or turned > self._settings.twist_deg:
-                reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other edges give it"
-        return Edge.of(a, b, kind, self._centre, result, reason)
+        """Measure an edge around its prediction; of its motions that is taken which is the likeliest by its windows and
+        its place, and refused if that is not likely enough."""
+        settings = self._settings
+        spread = math.hypot(deviation, settings.relief * max(self._size))
+        reach = math.ceil(settings.gate * spread / max(self._registrar.fine.factor)) + 6
+        near = reach <= settings.farthest
+        reach = max(reach, self._registrar.limits.reach)
+        result = self._ledger.register(a, b, predicted if near else None, reach if near else None)
+        searched = reach * max(self._registrar.fine.factor) if near else 0.5 * max(self._size)
+        edge = replace(Edge.of(a, b, kind, self._centre, result), reason="", accepted=True)
+        motions: list[Edge | Rival] = [edge, *edge.rivals]
+        odds = [motion.evidence + surprise(motion.similarity, predicted, motion.middle, spread, searched)
+                for motion in motions]
+        best = max(range(len(odds)), key=odds.__getitem__)
+        edge = edge.switched(best)
+        if edge.agreed < settings.agreed or odds[best] < settings.odds:
+            point = np.array(edge.middle)
+            miss = float(np.hypot(*(edge.similarity(point) - predicted(point))))
+            far = edge.evidence >= settings.odds and edge.agreed >= settings.agreed
+            edge = replace(edge, accepted=False, reason=(
+                f"{miss:.0f} px off the place the other edges give it" if far else
+                result.reason or f"only {edge.agreed} of {edge.tried} windows agree"))
+        return edge
 
     def join(self, name: str) -> int:
         """Look for an edge from a frame of the last component to the others; returns how many were accepted."""
@@ -129,7 +139,7 @@ class Loops:
                 continue
             result = self._ledger.register(other, name)
             self.tried[other, name] = IDENTITY
-            if result.accepted and result.agreed >= max(self._settings.share * result.tried, self._settings.agreed):
+            if result.accepted and result.agreed >= self._settings.agreed:
                 self._doubtful.append(Edge.of(other, name, JOIN, self._centre, result))
         found = 0
         for edge in list(self._doubtful):
@@ -189,5 +199,7 @@ class Loops:
                 found += self.propose(piece, name)
                 yield f"{name}: looked for more edges"
             if not found:
-                return
+                break
+            self._ledger.solve(piece)
+        if revise(self._ledger, piece):
             self._ledger.solve(piece)
