@@ -48,13 +48,14 @@ def place(folder: Path, seed: int, pins: bool) -> Path:
     return placed
 
 
-def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
-    """Place and route the netlist in `folder`; returns nextpnr's report."""
+def route(folder: Path, seed: int, pins: bool, written: Path | None = None) -> dict[str, Any]:
+    """Place and route the netlist in `folder`; returns nextpnr's report, and writes what it made to `written`."""
     report = folder / f"seed{seed}.json"
     placed = place(folder, seed, pins)
     settings = "".join(f'"{name}": "{value}",' for name, value in ROUTER_SETTINGS.items())
     placed.write_text(placed.read_text().replace('"settings": {', f'"settings": {{ {settings}', 1))
-    args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
+    args = ("--json", placed, "--no-pack", "--no-place", "--report", report,
+            *(("--write", written) if written else ()))
     log = folder / f"seed{seed}.log"
     for mhz in TARGETS_MHZ:
         if _nextpnr(log, pins, mhz, *args, RIPUP, patience=PATIENCE):
