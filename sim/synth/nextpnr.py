@@ -48,13 +48,24 @@ def place(folder: Path, seed: int, pins: bool) -> Path:
     return placed
 
 
+def pinned(text: str) -> str:
+    """A placed netlist whose cells nextpnr is to place again, where they are.
+
+    The router lets the inputs of look-up tables change places, and the tables follow; but a memory's inputs must not,
+    and a carry cell's only in pairs. nextpnr notes which rule holds where it places a cell. With cells that it reads
+    with their places it does not know the kind of a cell yet, and would let the inputs of memories and carry cells
+    change places at will.
+    """
+    return text.replace('"NEXTPNR_BEL": ', '"BEL": ')
+
+
 def route(folder: Path, seed: int, pins: bool, written: Path | None = None) -> dict[str, Any]:
     """Place and route the netlist in `folder`; returns nextpnr's report, and writes what it made to `written`."""
     report = folder / f"seed{seed}.json"
     placed = place(folder, seed, pins)
     settings = "".join(f'"{name}": "{value}",' for name, value in ROUTER_SETTINGS.items())
-    placed.write_text(placed.read_text().replace('"settings": {', f'"settings": {{ {settings}', 1))
-    args = ("--json", placed, "--no-pack", "--no-place", "--report", report,
+    placed.write_text(pinned(placed.read_text()).replace('"settings": {', f'"settings": {{ {settings}', 1))
+    args = ("--json", placed, "--no-pack", "--report", report,
             *(("--write", written) if written else ()))
     log = folder / f"seed{seed}.log"
     for mhz in TARGETS_MHZ:
