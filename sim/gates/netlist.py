@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from sim.building import digest, locked
-from sim.gates.routed import closed_module, named
+from sim.gates.routed import closed_module, restored
+from sim.gates.routes import check
 from sim.synth import fabric, floorplan, nextpnr, yosys
 from sim.synth.floorplan import constrain
 from sim.synth.flow import FLOORPLANS
@@ -101,11 +102,11 @@ def netlist(top: str, config: str, parameters: Mapping[str, int], defines: Mappi
 def routed(config: str) -> tuple[Path, dict[str, Any]]:
     """Folder and module of the board's netlist as nextpnr places and routes it for `sim.synth`'s first seed.
 
-    It is placed and routed once; nets have the names of the netlist that nextpnr took.
+    It is placed and routed once; that the routes connect what the netlist connects is checked each time.
 
     Raises:
         SystemExit: if a tool fails.
-        ValueError: if a cell, its mode or a constant is not modelled.
+        ValueError: if the routes are wrong; if a cell, its mode or a constant is not modelled.
     """
     before, kept = netlist(TOP, config, {}, {}).with_name("netlist.json"), FLOORPLANS / f"{config}.json"
     folder = NETLISTS / f"{TOP}-routed-{digest([str(SEED)], [before, kept, *PLACERS])[:16]}"
@@ -116,8 +117,10 @@ def routed(config: str) -> tuple[Path, dict[str, Any]]:
             constrain(folder / "netlist.json", kept)
             route(folder, SEED, True, fresh)
             fresh.rename(written)
-    module = closed_module(flat(json.loads(written.read_text())))
-    return folder, {**module, "netnames": named(module, flat(json.loads(before.read_text())))}
+    module = flat(json.loads(written.read_text()))
+    nets, wires = check(module)
+    print(f"routes: {nets} nets on {wires} wires connect what the netlist connects", flush=True)
+    return folder, restored(closed_module(module), flat(json.loads(before.read_text())))
 
 
 def _routed_verilog(config: str) -> tuple[Path, int]:

@@ -19,9 +19,18 @@ Cell = Mapping[str, Any]
 HALF = re.compile(r"X\d+/Y\d+/SLICE[A-D]\.K([01])$")
 """nextpnr's name of the place of a look-up table: tile, slice, half of the slice."""
 MEMORY_PINS = "WD", "WAD0", "WAD1", "WAD2", "WAD3", "WRE", "WCK"
-MULTIPLIER_PINS = re.compile(r"(SIGNED|SOURCE)[AB]$|[AB]\d+$")
-"""Inputs of MULT18X18D that it always reads, besides the clock, enable and reset that its parameters name; nextpnr adds
-those of a cascade, open."""
+READ = {
+    "TRELLIS_RAMW": tuple(f"{pin}{k}" for k in range(2) for pin in "ABCD"),
+    "DCCA": ("CLKI", "CE"),
+    "DP16KD": tuple(f"{pin}{side}{k}" for side in "AB" for pin, count in (("AD", 14), ("DI", 18), ("CS", 3))
+                    for k in range(count)) + tuple(f"{pin}{side}" for side in "AB"
+                                                   for pin in ("CLK", "CE", "WE", "OCE", "RST")),
+    "MULT18X18D": tuple(f"{pin}{side}" for side in "AB" for pin in ("SIGNED", "SOURCE"))
+                  + tuple(f"{side}{k}" for side in "AB" for k in range(18)),
+}
+"""Inputs that cells of these kinds always read; of MULT18X18D besides the pins that its parameters name."""
+DSP_CONTROLS = tuple(f"{pin}{k}" for pin in ("CLK", "CE", "RST") for k in range(4))
+"""Pins of MULT18X18D that parameters name."""
 LIKE_ONE = re.compile(r"O?CE[AB]$")
 """Inputs of DP16KD that count as 1 where they are open and no parameter says otherwise; all others count as 0."""
 INVERTED = re.compile(r"(CLK|WE|RST|O?CE|CS)[AB]\d?$")
@@ -68,13 +77,10 @@ def inputs(cell: Cell) -> list[str]:
                 *(["CE"] if value(cell, "CEMUX", "1") in ("CE", "INV") else [])]
     if kind == "TRELLIS_IO":
         return ["B"] if value(cell, "DIR") == "INPUT" else ["I"]
-    if kind not in KEPT:
+    if kind not in READ:
         raise ValueError(f"cell {kind} is not modelled")
-    pins = [pin for pin, way in cell["port_directions"].items() if way == "input"]
-    if kind == "MULT18X18D":
-        named = {value(cell, name) for name in KEPT[kind]}
-        return [pin for pin in pins if pin in named or MULTIPLIER_PINS.match(pin)]
-    return pins
+    named = sorted({value(cell, name) for name in KEPT[kind]} & set(DSP_CONTROLS)) if kind == "MULT18X18D" else []
+    return [*READ[kind], *named]
 
 
 def half(cell: Cell) -> int:
@@ -159,35 +165,54 @@ def closed(cell: Cell) -> dict[str, Any]:
             "connections": nets}
 
 
-def named(module: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
-    """Names of nets as in the netlist that nextpnr took, which has several for a net; nextpnr keeps one.
+def restored(module: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
+    """A module with ports and names of nets as in the netlist that nextpnr took.
+
+    nextpnr keeps one name of a net that has several, and forgets the ports when it routes what it has placed: the net
+    outside of a pin has the port's name.
 
     Args:
-        module: as nextpnr wrote it, `closed_module`.
+        module: a `closed_module`.
         before: the flat module that nextpnr took.
 
     Returns:
-        `netnames`: those of `before`, with the numbers of `module`'s nets; `x` for a net that it has no longer.
+        The module; a name of a net that it has no longer has the bit `x`.
+
+    Raises:
+        ValueError: if a bit of a port is no pin.
     """
     aliases: dict[int, list[str]] = {}
     for name, net in before["netnames"].items():
         for k, bit in enumerate(net["bits"]):
             if isinstance(bit, int):
-                place = net.get("offset", 0) + k
-                aliases.setdefault(bit, []).append(f"{name}[{place}]" if len(net["bits"]) > 1 else name)
+                aliases.setdefault(bit, []).append(_bit_name(name, net, k))
     now = {name: net["bits"][0] for name, net in module["netnames"].items()}
     numbers = {bit: next((now[name] for name in names if name in now), "x") for bit, names in aliases.items()}
-    return {name: {**net, "bits": [numbers.get(bit, bit) for bit in net["bits"]]}
-            for name, net in before["netnames"].items()}
+    pins = {cell["connections"]["B"][0] for cell in module["cells"].values() if "B" in cell["connections"]}
+    ports = {name: {**port, "bits": [now.get(_bit_name(name, port, k)) for k in range(len(port["bits"]))]}
+             for name, port in before["ports"].items()}
+    for name, port in ports.items():
+        if set(port["bits"]) - pins:
+            raise ValueError(f"a bit of the port {name} is no pin")
+    names = {name: {**net, "bits": [numbers.get(bit, bit) for bit in net["bits"]]}
+             for name, net in before["netnames"].items()}
+    return {**module, "ports": ports, "netnames": names}
 
 
-def flipped(module: Mapping[str, Any], port: str, address: int = 0) -> dict[str, Any]:
+def _bit_name(name: str, net: Mapping[str, Any], k: int) -> str:
+    """nextpnr's name of bit k of a net or port."""
+    return f"{name}[{net.get('offset', 0) + k}]" if len(net["bits"]) > 1 else name
+
+
+def flipped(module: Mapping[str, Any], port: str, high: Sequence[str]) -> dict[str, Any]:
     """The module with one wrong bit in the look-up table before the register that drives an output.
 
+    It is the bit at rest: that with all the table's inputs low, but for `high`.
+
     Args:
-        module: a `closed_module`.
+        module: `restored`.
         port: the output's name, one bit.
-        address: of the bit in the table, 0 to 15.
+        high: names of input ports, of one bit each, that are high at rest.
 
     Raises:
         ValueError: if there is no look-up table.
@@ -201,6 +226,11 @@ def flipped(module: Mapping[str, Any], port: str, address: int = 0) -> dict[str,
         name = next((drivers[nets[pin][0]] for pin in pins if pin in nets), "")
     if not name or cells[name]["type"] != "TRELLIS_COMB":
         raise ValueError(f"no look-up table drives the register of {port}")
+    nets = cells[name]["connections"]
+    ones = {"1", *(cell["connections"]["O"][0] for cell in cells.values() if cell["type"] == "TRELLIS_IO_INPUT"
+                   and cell["connections"]["B"][0] in [module["ports"][each]["bits"][0] for each in high]
+                   and "O" in cell["connections"])}
+    address = sum(1 << k for k, pin in enumerate("ABCD") if nets[pin][0] in ones)
     table = int(value(cells[name], "INITVAL"), 2) ^ 1 << address
     wrong = {**cells[name], "parameters": {**cells[name]["parameters"], "INITVAL": f"{table:016b}"}}
     return {**module, "cells": {**cells, name: wrong}}
@@ -217,11 +247,10 @@ def closed_module(module: Mapping[str, Any]) -> dict[str, Any]:
     def net(bits: Sequence[Any]) -> list[Any]:
         return [numbers.setdefault(bit, len(numbers) + FIRST) if isinstance(bit, int) else bit for bit in bits]
 
-    ports = {name: {**port, "bits": net(port["bits"])} for name, port in module["ports"].items()}
     cells = {name: closed(cell) for name, cell in module["cells"].items()
              if value(cell, "MODE") != "RAMW_BLOCK"}  # what a TRELLIS_RAMW occupies
     for cell in cells.values():
         cell["connections"] = {pin: net(bits) for pin, bits in cell["connections"].items()}
-    names = {name: {"hide_name": each["hide_name"], "bits": net(each["bits"]), "attributes": {}}
-             for name, each in module["netnames"].items()}
+    ports, names = ({name: {**each, "bits": net(each["bits"]), "attributes": {}}
+                     for name, each in module[group].items()} for group in ("ports", "netnames"))
     return {"attributes": {}, "ports": ports, "cells": cells, "netnames": names}

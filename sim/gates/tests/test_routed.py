@@ -14,7 +14,7 @@ import pytest
 
 from sim.gates.netlist import GATE_MODELS, ROUTED_MODELS
 from sim.gates.plain import instance, verilog
-from sim.gates.routed import closed, closed_module, constant, flipped, named
+from sim.gates.routed import closed, closed_module, constant, flipped, restored
 
 has_icarus = pytest.mark.skipif(shutil.which("iverilog") is None, reason="Icarus is not installed")
 OUTPUTS = "F", "FCO", "OFX", "Q", "O", "CLKO"
@@ -36,7 +36,7 @@ def _table(bits: int) -> str:
 @pytest.mark.parametrize(("cell", "pin", "expected"), [
     (_cell("TRELLIS_COMB", A=None), "A", "0"),
     (_cell("TRELLIS_COMB", {"MODE": "CCU2"}, A=None), "A", "1"),
-    (_cell("TRELLIS_FF", LSR=None), "LSR", "0"),
+    (_cell("TRELLIS_FF"), "LSR", "0"),
     (_cell("TRELLIS_FF", {"LSRMUX": "INV"}, LSR=None), "LSR", "1"),
     (_cell("DCCA", CE=None), "CE", "1"),
     (_cell("DP16KD", CEA=None), "CEA", "1"),
@@ -60,7 +60,8 @@ def test_open_pins(cell: dict[str, Any], pin: str, expected: str) -> None:
 @pytest.mark.parametrize(("cell", "message"), [
     (_cell("TRELLIS_FF", {"CEMUX": "CE", "SD": "1 "}, CLK=2, DI=3, CE=None, Q=4), "reads its pin CE, which is open"),
     (_cell("TRELLIS_FF", {"SD": "0 "}, CLK=2, M=None, Q=4), "reads its pin M, which is open"),
-    (_cell("MULT18X18D", {"REG_OUTPUT_CLK": "CLK0"}, CLK0=None, CLK1=None), "reads its pin CLK0, which is open"),
+    (_cell("MULT18X18D", {"REG_OUTPUT_CLK": "CLK0"}, **dict.fromkeys(("SIGNEDA", "SIGNEDB", "SOURCEA", "SOURCEB"), 2)),
+     "reads its pin CLK0, which is open"),
     (_cell("TRELLIS_COMB", {"MODE": "DPRAM", "INITVAL": _table(0)}, A=None, F=3), "reads its pin A, which is open"),
     (_cell("TRELLIS_COMB", {"MODE": "CCU2", "INITVAL": _table(0x8000)}, FCI=None, FCO=3), "its pin FCI, which is open"),
     (_cell("TRELLIS_COMB", {"MODE": "CCU2", "INITVAL": _table(0)}, FCI=None, F=3), "its pin FCI, which is open"),
@@ -251,25 +252,33 @@ def test_memory(tmp_path: Path) -> None:
     assert _alike(tmp_path, yosys, routed, {f"do{k}": bit for k, bit in enumerate(bits["do"])}, steps) == "PASS"
 
 
-def test_names() -> None:
-    """Nets have the names of the netlist that nextpnr took, bits of vectors too; one that is gone has none."""
-    module = {"netnames": {"u_a.full_q[2]": {"bits": [20]}, "out": {"bits": [21]}}}
-    before = {"netnames": {"u_a.full_q": {"offset": 2, "bits": [7, 8]}, "u_b.out": {"bits": [9]}, "out": {"bits": [9]},
-                           "low": {"bits": ["0"]}}}
-    found = named(module, before)
-    assert {name: net["bits"] for name, net in found.items()} == {
-        "u_a.full_q": [20, "x"], "u_b.out": [21], "out": [21], "low": ["0"]}
+def test_restored() -> None:
+    """Ports and names are those of the netlist that nextpnr took, bits of vectors too; a net that is gone has none."""
+    module = {"cells": {"pad": {"connections": {"B": [21], "I": [22]}}}, "ports": {}, "netnames": {
+        "full_q[2]": {"bits": [20]}, "out": {"bits": [21]}}}
+    before: dict[str, Any] = {
+        "netnames": {"full_q": {"offset": 2, "bits": [7, 8]}, "u_b.out": {"bits": [9]}, "out": {"bits": [9]},
+                     "low": {"bits": ["0"]}},
+        "ports": {"out": {"direction": "output", "bits": [9]}}}
+    found = restored(module, before)
+    assert {name: net["bits"] for name, net in found["netnames"].items()} == {
+        "full_q": [20, "x"], "u_b.out": [21], "out": [21], "low": ["0"]}
+    assert found["ports"] == {"out": {"direction": "output", "bits": [21]}}
+    before["ports"]["low"] = {"direction": "output", "bits": ["0"]}
+    with pytest.raises(ValueError, match="a bit of the port low is no pin"):
+        restored(module, before)
 
 
 def test_flipped() -> None:
-    """One bit of the table before an output's register, and nothing else, changes."""
-    cells = {"lut": _cell("TRELLIS_COMB", {"INITVAL": _table(5)}, A=2, F=20),
+    """One bit of the table before an output's register, and nothing else, changes: that at rest."""
+    cells = {"lut": _cell("TRELLIS_COMB", {"INITVAL": _table(5)}, A=8, B=23, F=20),
+             "pads": _cell("TRELLIS_IO", {"DIR": "INPUT"}, B=2, O=8),
              "ff": _cell("TRELLIS_FF", {"SD": "1 "}, CLK=7, DI=20, LSR=None, Q=21),
              "pad": _cell("TRELLIS_IO", {"DIR": "OUTPUT"}, I=21, B=22)}
     cells["pad"]["port_directions"]["B"] = "inout"
     module = closed_module(_ports(cells, {"o": 22}))
-    wrong = flipped(module, "o", 3)
+    wrong = flipped(module, "o", ["a"])
     assert {name for name in cells if wrong["cells"][name] != module["cells"][name]} == {"lut"}
-    assert wrong["cells"]["lut"]["parameters"]["INITVAL"] == _table(5 ^ 8)
+    assert wrong["cells"]["lut"]["parameters"]["INITVAL"] == _table(5 ^ 2)
     with pytest.raises(ValueError, match="no look-up table drives the register of e"):
-        flipped(module, "e")
+        flipped(module, "e", [])
