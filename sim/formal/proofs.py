@@ -141,7 +141,7 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogPeekAddressStays",), quick=False),
     Proof("peek_covers", "slog_peek", "cover", 40, {"GroupBits": 64, "StoreWords": 3}, rules=("peek",),
           assumed=("SlogPeekAddressStays",)),
-    Proof("capture_words", "slog_capture", "bmc", 20, {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
+    Proof("capture_words", "slog_capture", "prove", 4, {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
           rules=("capture_words",), blackboxes=("slog_capture_channel",), quick=False),
     Proof("capture_words_covers", "slog_capture", "cover", 20, {"GroupBits": 2, "Slots": 2, "SlotWords": 4,
           "WordsPerRow": 2}, rules=("capture_words",), blackboxes=("slog_capture_channel",), quick=False),

@@ -15,7 +15,7 @@ PLACED = {"modules": {"top": {"settings": {"seed": "1"}, "cells": {
 
 
 def test_cells_are_placed_again_before_they_are_routed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where they were: nextpnr must place a cell to know which of its inputs may change places. Blocks keep all pins."""
+    """Where they were: nextpnr must place a cell to know which of its inputs may change places. Blocks keep pins."""
     calls: list[tuple[list[Any], dict[str, Any]]] = []
 
     def run(name: str, log: Path, *args: Any, **options: Any) -> bool:
