@@ -297,9 +297,9 @@ class Survey:
         self._loops.tried[edge.frame_a, edge.frame_b] = edge.similarity
         self._forget_motion()
         piece = self.ledger.piece_of(edge.frame_a)
-        piece.enter(edge)
+        self.ledger.enter(piece, edge)
         found = self._loops.propose(piece, frame.name, edge) if self.settings.loops else 0
-        self.ledger.solve(piece)
+        self.ledger.settle(piece, frame.name)
         if self.settings.loops and len(self.pieces) > 1:
             found += self._loops.join(frame.name)
         return f"{edge.frame_a} to {frame.name}: {edge.shift[0]:.1f}, {edge.shift[1]:.1f} px, {found} other edges"
@@ -330,6 +330,8 @@ class Survey:
         if finished:
             self.settle()
         if self._end():
+            for piece in self.pieces:
+                self.ledger.complete(piece)
             self.results.write_all()
 
     def leave(self) -> None:
