@@ -133,7 +133,8 @@ def judge(name: str, steps: Iterator[object], most_bytes: float, most_slower: fl
     early, late = (float((np.median if begin is None else np.mean)(part)) for part in (first, spent[-fifth:]))
     grown = (memories[-1] - memories[fifth]) / max(1, frames - fifth)
     good = grown <= most_bytes and late <= most_slower * early
-    print(f"{name}: {frames} frames, {1e3 * early:.1f} ms a frame at the beginning, {1e3 * late:.1f} ms in the last fifth "
+    print(f"{name}: {frames} frames, {1e3 * early:.1f} ms a frame at the beginning, {1e3 * late:.1f} ms at the "
+          f"end "
           f"({late / early:.2f}x), memory {memories[-1] / 1e6:.0f} MB, {grown / 1e3:+.2f} kB a frame"
           + ("" if good else "  MISSED"), flush=True)
     return good

@@ -11,6 +11,7 @@ from typing import TextIO
 
 from signum.applications.mosaic.edges import LIVE, Edge
 from signum.applications.mosaic.graph import Solution, solve_graph
+from signum.applications.mosaic.journal import Key, key_of
 from signum.applications.mosaic.nearby import CentreGrid
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
@@ -172,6 +173,10 @@ class Ledger:
     def register(self, a: str, b: str, guess: Similarity | None = None, reach: int | None = None) -> Registration:
         """Find frame a in frame b, each stored or at work; see `Registrar.register`."""
         return self.shelf.register(self.registrar, a, b, guess, reach)
+
+    def key(self, a: str, b: str, guess: Similarity | None = None, reach: int | None = None) -> Key:
+        """The question that `register` asks."""
+        return key_of(self.shelf.number(a), self.shelf.number(b), guess, reach)
 
     def begin(self, name: str) -> Piece:
         """Begin a component with a stored frame; its plane is this frame's."""

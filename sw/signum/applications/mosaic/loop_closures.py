@@ -43,28 +43,35 @@ class Loops:
             name: the frame.
             by: the edge that has just placed it, which is not yet in the solution.
         """
+        found = 0
+        for pair, deviation in self.choose(piece, name, by):
+            found += self.attempt(piece, pair, deviation)
+        return found
+
+    def choose(self, piece: Piece, name: str, by: Edge | None = None) -> Iterator[tuple[tuple[str, str], float]]:
+        """The pairs to be tried of a frame, as `propose`, and the standard deviations of their predictions, pixels.
+
+        Edges to two frames that lie close together are redundant: those chosen come from all directions. One that has
+        been tried between two steps, and accepted, counts.
+        """
         wanted = self._wanted(piece, name, by)
         if not wanted:
-            return 0
+            return
         anchor = name if by is None else by.frame_a
         known = self._ledger.known(piece, anchor, [pair[0] if pair[1] == name else pair[1] for _, pair in wanted])
-        # Edges to two frames that lie close together are redundant: those chosen come from all directions.
         near = self._settings.apart * min(self._size) * piece.places[name].scale
-        taken = [piece.grid.at[partner] for partner in self._ledger.partners(name) if partner in piece.places]
         room = self._settings.proposals
-        found = 0
         for _, pair in wanted:
             at = piece.grid.at[pair[0] if pair[1] == name else pair[1]]
-            if room and all(abs(at - other) >= near for other in taken):
-                deviation = self._deviation(piece, known, pair, by)
-                if deviation is None:
-                    piece.strained = True
-                    continue  # until all frames are placed again, or the last look
-                room -= 1
-                if self._try(piece, pair, deviation):
-                    taken.append(at)
-                    found += 1
-        return found
+            partners = [partner for partner in self._ledger.partners(name) if partner in piece.places]
+            if not room or any(abs(at - piece.grid.at[partner]) < near for partner in partners):
+                continue
+            deviation = self._deviation(piece, known, pair, by)
+            if deviation is None:
+                piece.strained = True  # it waits until all frames are placed again, or for the last look
+                continue
+            room -= 1
+            yield pair, deviation
 
     def _wanted(self, piece: Piece, name: str, by: Edge | None) -> list[tuple[float, tuple[str, str]]]:
         """The pairs of a frame with others that were not tried yet, and their predicted overlaps, the largest first."""
@@ -78,7 +85,7 @@ class Loops:
                 wanted.append((share, pair))
         return sorted(wanted, key=lambda one: -one[0])
 
-    def _try(self, piece: Piece, pair: tuple[str, str], deviation: float) -> bool:
+    def attempt(self, piece: Piece, pair: tuple[str, str], deviation: float) -> bool:
         """Measure a proposed edge of a component; it is accepted if it agrees with the poses."""
         predicted = piece.places[pair[1]].inverse @ piece.places[pair[0]]
         edge = self.measure(*pair, LOOP, predicted, deviation)
@@ -112,13 +119,18 @@ class Loops:
         return None if before is None else math.hypot(before, known.usual * math.hypot(1.0, lever)
                                                       / math.sqrt(precision(by)))
 
+    def search(self, predicted: Similarity, deviation: float) -> tuple[Similarity | None, int | None]:
+        """The guess and reach to search with around a prediction; None where the whole frame is searched."""
+        slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
+        reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
+        if reach > self._settings.farthest:
+            return None, None
+        return predicted, max(reach, self._registrar.limits.reach)
+
     def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Edge:
         """Measure an edge around its prediction; refused if it differs by more than the uncertainty allows."""
         slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
-        reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
-        near = reach <= self._settings.farthest
-        result = self._ledger.register(a, b, predicted if near else None,
-                                       max(reach, self._registrar.limits.reach) if near else None)
+        result = self._ledger.register(a, b, *self.search(predicted, deviation))
         reason = ""
         if result.accepted:
             point = np.array(result.middle)
@@ -132,25 +144,7 @@ class Loops:
 
     def join(self, name: str) -> int:
         """Look for an edge from a frame of the last component to the others; returns how many were accepted."""
-        late = self._ledger.piece_of(name)
-        pieces = [piece for piece in self._ledger.pieces if piece is not late]
-        ends = list(accumulate(len(piece.stored) for piece in pieces))
-
-        def stored(index: int) -> tuple[Piece, str]:
-            """The others' frames, one component after the other."""
-            k = bisect_right(ends, index)
-            return pieces[k], pieces[k].stored[index - ends[k]]
-
-        # Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
-        count, first = ends[-1], ends[-1] - 1 - late.order[name]
-        beside = [stored(i) for i in range(first, max(first - self._settings.joins // 2, -1), -1)]
-        spread = [stored(round(i)) for i in np.linspace(0, count - 1, self._settings.joins)]
-        tried: set[str] = set()
-        for piece, other in (*beside, *spread):
-            full = len(tried) >= self._settings.joins
-            if other in tried or full or piece not in self._ledger.pieces or piece is late:
-                continue
-            tried.add(other)
+        for other in self.beside(name):
             if (other, name) in self.tried:
                 continue
             result = self._ledger.register(other, name)
@@ -161,6 +155,23 @@ class Loops:
         for edge in list(self._doubtful):
             found += self._confirm(edge)
         return found
+
+    def beside(self, name: str) -> list[str]:
+        """The frames of other components that an edge from a frame of the last one is looked for to.
+
+        Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
+        """
+        late = self._ledger.piece_of(name)
+        pieces = [piece for piece in self._ledger.pieces if piece is not late]
+        ends = list(accumulate(len(piece.stored) for piece in pieces))
+        count, first = ends[-1], ends[-1] - 1 - late.order[name]
+        places = [*range(first, max(first - self._settings.joins // 2, -1), -1),
+                  *(round(i) for i in np.linspace(0, count - 1, self._settings.joins))]
+        found: dict[str, None] = {}
+        for place in places:
+            k = bisect_right(ends, place)
+            found.setdefault(pieces[k].stored[place - ends[k]])
+        return list(found)[: self._settings.joins]
 
     def _confirm(self, join: Edge) -> int:
         """Accept an edge between two components if at least half of the other edges that it predicts are found too.
@@ -206,13 +217,7 @@ class Loops:
         for each frame."""
         self._ledger.complete(piece)
         for _ in range(3):
-            connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
-            for pair, before in list(self.tried.items()):
-                if pair[0] in piece.places and pair[1] in piece.places and pair not in connected:
-                    now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
-                    off = float(np.hypot(*(now(np.array(self._centre)) - before(np.array(self._centre)))))
-                    if off > self._settings.relief * max(self._size):
-                        del self.tried[pair]  # it was searched for elsewhere
+            self.forget(piece)
             found = 0
             for name in list(piece.stored):
                 found += self.propose(piece, name)
@@ -220,3 +225,17 @@ class Loops:
             if not found:
                 return
             self._ledger.solve(piece)
+
+    def forget(self, piece: Piece) -> int:
+        """Let pairs be tried again that were searched for elsewhere than the poses now predict; returns how many."""
+        connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
+        moved = []
+        for pair, before in self.tried.items():
+            if pair[0] in piece.places and pair[1] in piece.places and pair not in connected:
+                now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
+                off = float(np.hypot(*(now(np.array(self._centre)) - before(np.array(self._centre)))))
+                if off > self._settings.relief * max(self._size):
+                    moved.append(pair)
+        for pair in moved:
+            del self.tried[pair]
+        return len(moved)

@@ -65,7 +65,7 @@ def test_the_work_a_frame_does_not_grow(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(graph._System, "linear", counted)
     monkeypatch.setattr(loop_closures, "overlap", looked)
     spent = [0]
-    for survey in _flown(200, 8, tmp_path):
+    for survey in _flown(200, 8, tmp_path):  # noqa: B007
         spent.append(work)
     early, late = (spent[60] - spent[40]) / 20, (spent[200] - spent[120]) / 80
     print(f"{early:.0f} edges and pairs a frame at 50, {late:.0f} at 160 ({late / early:.2f}x)")
