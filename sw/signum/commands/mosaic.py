@@ -76,6 +76,8 @@ def mosaic(
     rate: Annotated[float | None, typer.Option(
         "--rate", rich_help_panel=SOURCE, min=0.001, max=1000.0, help="Frames per second of a source whose frames have "
         "no times, for a --navigation log by time.", show_default=False)] = None,
+    water: Annotated[bool, typer.Option("--water/--no-water", help="Take the tint of the water out of the mosaic of "
+                                        "colour pictures: grey on average, and bright.")] = False,
     live: Annotated[bool, typer.Option("--live/--no-live", help="Write mosaic.png every few seconds as it grows.")
                     ] = True,
 ) -> None:
@@ -105,7 +107,7 @@ def mosaic(
                   Survey(registrar, output, asked.stream, settings, asked.source, resumes,
                          LIVE_EVERY if live else float("inf"), asked.calibration))
         survey.results.ground = place.placing(lambda: survey.ledger.shelf.begun_s)
-        survey.results.cog = ground.cog
+        survey.results.cog, survey.results.water = ground.cog, water
         _grow(run, survey, known)
     if survey.results.trouble:
         raise SignumError(survey.results.trouble)

@@ -37,6 +37,7 @@ class Results:
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
         cog: whether these are Cloud Optimized GeoTIFFs.
+        water: whether the mosaics' colours are corrected for the water.
         told: hears of each picture that is blended.
         grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
@@ -46,6 +47,7 @@ class Results:
         self._ledger = ledger
         self.ground: Grounding | None = None
         self.cog = False
+        self.water = False
         self.told: Told = silent
         self.grounded: list[str] = []
         self.trouble = ""
@@ -123,7 +125,7 @@ class Results:
                 self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
         mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored],
-                         told=self.told)
+                         told=self.told, water=self.water)
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
