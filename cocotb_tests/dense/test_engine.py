@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.diagram import check_diagram
 from cocotb_tests.env.params import params
+from docs.tools.waves import WAVES
 from golden.correlate import Plane
 from golden.cycle.dense.engine import DenseEngineModel
 from golden.dense import DensePass, dense
@@ -47,7 +49,19 @@ async def every_clock(dut) -> None:
             assert np.array_equal(getattr(found, name), getattr(wanted, name)), (one, name)
 
 
+@cocotb.test()
+async def timing_diagram(dut) -> None:
+    p = params()
+    await check_diagram(dut, "dense", DenseEngineModel(p["Offsets"], p["Lanes"], p["MaxWindow"]))
+
+
 @pytest.mark.parametrize(("offsets", "lanes", "window", "sizes", "width"), [(8, 4, 16, 2, 40), (16, 8, 32, 3, 60)])
 def test_engine(offsets: int, lanes: int, window: int, sizes: int, width: int) -> None:
     simulate("slog_dense_engine", __name__, {"Offsets": offsets, "Lanes": lanes, "MaxWindow": window, "Sizes": sizes,
                                              "MaxWidth": width})
+
+
+def test_timing_diagram() -> None:
+    """The picture in the documentation, of an engine that is small enough to draw."""
+    wave = WAVES["dense"]()
+    simulate(wave.top, __name__, wave.parameters, testcase="timing_diagram")

@@ -6,7 +6,7 @@
 // The planes' columns come with two rows each: the one that comes into the windows and the one that leaves them, W rows
 // above. start and down are the feed's: they say which right pixel comes with a left one.
 //
-// Stage  registers                          valid after the clock of left_i and right_i
+// Stage  registers                          valid after the clock of the pixels
 //   1    left_q right_q ago_q               1: the bits, and those of W columns ago
 //   2    slog_dense_group, one after another 2 * Offsets + 6: winner_o, of the left pixel; winner_valid_o with it
 //        the same                           3 * Offsets + 6: back_o, of the right pixel; back_valid_o with it

@@ -19,8 +19,8 @@
 //              follow left_i and right_i by four clocks.
 // Throughput : one pixel per clock.
 // Formats    : e is -2..2, delta -W..W, a sum 0..W*W where the window lies in both planes, else undefined.
-// Rules      : clear_i is held before a pass until the streams have been 0 for 3 * Lanes + 2 clocks and one more; then
-//              delta is what came in since. left_ok_i: the left window lies in its plane, bit 0 in even rows and bit 1 in
+// Rules      : clear_i is held before a pass until the streams have been 0 for 3 * Lanes + W + 3 clocks; then delta is
+//              what came in since. left_ok_i: the left window lies in its plane, bit 0 in even rows and bit 1 in
 //              odd ones; right_ok_i likewise. An offset counts where both are of one row: the rows may overlap in time.
 `include "slog_assert.svh"
 module slog_dense_lanes

@@ -34,16 +34,16 @@ module slog_dense_winner
   winner_t held_q[Lanes], winner_q[Lanes];
 
   // What lane k hands on, from what came to it.
-  function automatic winner_t chosen(winner_t held, sum_t score, logic take, logic less, logic [IndexBits-1:0] index);
+  function automatic winner_t chosen(winner_t held, sum_t own, logic take, logic less, logic [IndexBits-1:0] index);
     winner_t next;
     next.fresh   = take;
     next.index   = take ? index : held.index;
-    next.best    = take ? score : held.best;
+    next.best    = take ? own : held.best;
     next.lower   = take ? held.last : held.lower;
-    next.upper   = take ? Absent : held.fresh ? score : held.upper;
-    next.rest    = take ? held.earlier : less ? score : held.rest;
+    next.upper   = take ? Absent : held.fresh ? own : held.upper;
+    next.rest    = take ? held.earlier : less ? own : held.rest;
     next.earlier = held.best;
-    next.last    = score;
+    next.last    = own;
     return next;
   endfunction
 

@@ -8,7 +8,7 @@ from collections import deque
 from golden.cycle.bits import or_zero
 from golden.cycle.dense.lanes import DenseLanesModel
 from golden.cycle.dense.memory import DenseMemoryModel
-from golden.cycle.dense.structs import BITS, LEFT, NO_BACK, NO_WINNER, RIGHT
+from golden.cycle.dense.structs import LEFT, NO_BACK, NO_WINNER, RIGHT
 from golden.cycle.dense.winner import DenseBackModel, DenseWinnerModel
 from golden.cycle.model import Inputs, Values
 
@@ -113,8 +113,7 @@ class DenseEngineModel:
     def _move(self, i: Inputs) -> None:
         """A clock of the groups."""
         ago = self.planes[self.max_window >> i["shrink_i"]]
-        bits = [BITS.pack({"incoming": now >> 1, "leaving": now & 1, "incoming_ago": then >> 1, "leaving_ago": then & 1})
-                for now, then in zip(self.planes[0], ago, strict=True)]
+        bits = [now << 2 | then for now, then in zip(self.planes[0], ago, strict=True)]  # as BITS has them
         coming: Values = {"left_o": LEFT.pack({"in_row": self.marks >> 1, "first": self.first, "bits": bits[0]}),
                           "right_o": RIGHT.pack({"in_row": self.marks & 1, "bits": bits[1]}),
                           "left_ok_o": self.oks[-1][0], "right_ok_o": self.oks[-1][1], "winner_o": NO_WINNER,
