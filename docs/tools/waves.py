@@ -220,7 +220,7 @@ def dense() -> Wave:
         left = [int(c) for c in row]
         before = [int(c) for c in rows[y - 2]] if y >= 2 else [0] * len(left)
         for x in range(len(left)):
-            moved, moved_before = ((line[x + 2:] + [0])[0] for line in (left, before))
+            moved, moved_before = (line[x + 2] if x < 8 else 0 for line in (left, before))
             inputs.append({"left_valid_i": 1, "right_valid_i": 1, "first_i": int(y == 0), "left_incoming_i": left[x],
                            "left_leaving_i": before[x], "right_incoming_i": moved, "right_leaving_i": moved_before,
                            "left_ok_i": int(min(x, y) >= 1) << y % 2,
