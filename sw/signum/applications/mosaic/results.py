@@ -21,8 +21,9 @@ from signum.geometry.similarity import IDENTITY
 from signum.tables.schemas import GROUND, POSES
 from signum.tables.table import csv_line
 
-THUMB = 240
-"""Longer side of the copies the growing mosaic is made of, pixels."""
+THUMB, LEAST_THUMB, THUMBS_BYTES = 240, 30, 48_000_000
+"""Longer side of the copies the growing mosaic is made of, pixels; the least, and the memory for all of them, beyond
+which they are made half as large."""
 Grounding = Callable[[list[Pose], tuple[float, float]], Georeference | None]
 """Finds where on the ground a component is, from its poses and the frames' centre in pixels."""
 
@@ -53,14 +54,15 @@ class Results:
         self._sizes: list[str] = []
         self._planes: dict[int, Georeference] = {}
         self._thumbs: dict[str, Image] = {}
+        self._side = THUMB
 
     def show(self, name: str, picture: Image | None = None) -> Image:
         """A stored frame's small copy for the growing mosaic; `picture` is the frame where it is at hand."""
         if name not in self._thumbs:
-            whole = self._ledger.shelf.picture(name) if picture is None else picture
-            less = THUMB / max(whole.shape[:2])
-            self._thumbs[name] = np.asarray(cv2.resize(whole, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
-                                            np.uint8) if less < 1 else whole
+            self._thumbs[name] = _smaller(self._ledger.shelf.picture(name) if picture is None else picture, self._side)
+            if len(self._thumbs) * self._thumbs[name].nbytes > THUMBS_BYTES and self._side > LEAST_THUMB:
+                self._side //= 2
+                self._thumbs = {other: _smaller(thumb, self._side) for other, thumb in self._thumbs.items()}
         return self._thumbs[name]
 
     def write_poses(self) -> None:
@@ -139,6 +141,14 @@ class Results:
     def size(self) -> str:
         """The sizes of the mosaics written, in words."""
         return "; ".join(self._sizes)
+
+
+def _smaller(picture: Image, side: int) -> Image:
+    """A copy with a longer side of at most `side` pixels."""
+    less = side / max(picture.shape[:2])
+    if less >= 1:
+        return picture
+    return np.asarray(cv2.resize(picture, None, fx=less, fy=less, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def suffix(number: int) -> str:
