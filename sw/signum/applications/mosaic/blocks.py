@@ -46,7 +46,7 @@ class Spill:
     def __init__(self, folder: Path, shape: tuple[int, ...]) -> None:
         self.shape = shape
         self._pixel = shape[2] if len(shape) == 3 else 1
-        self._file: IO[bytes] = tempfile.TemporaryFile(dir=folder)
+        self._file: IO[bytes] = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115  # closed by `__exit__`
         self._file.truncate(int(np.prod(shape)))  # black where nothing is written
 
     def __enter__(self) -> Spill:

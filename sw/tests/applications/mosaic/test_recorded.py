@@ -141,7 +141,8 @@ def test_frames_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         return path.read_bytes()
 
     monkeypatch.setattr("signum.applications.mosaic.crew.own_bytes", reading)
-    keys: list[Key] = [(k, k + 1, None, None) for k in range(5)] + [(k, k + 2, (1.0, 0.0, 0.0, 120.0), 18) for k in range(4)]
+    keys: list[Key] = [(k, k + 1, None, None) for k in range(5)]
+    keys += [(k, k + 2, (1.0, 0.0, 0.0, 120.0), 18) for k in range(4)]
     shares = shared_out(keys, 1)
     assert {key for share in shares for key in share} == set(keys)
     found = [one for share in shares for one in answer_all(_bench(tmp_path), share)]
