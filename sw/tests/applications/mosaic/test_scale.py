@@ -107,7 +107,7 @@ def test_a_long_way_round_is_closed(tmp_path: Path) -> None:
         survey.add(imagined(k))
     for _ in survey.finish():
         pass
-    survey.close(finished=False)
+    survey.leave()
     closing = [e for e in survey.edges if e.accepted and e.kind == LOOP and int(e.frame_b) - int(e.frame_a) > 100]
     assert len(closing) >= 4
     piece = survey.pieces[0]
