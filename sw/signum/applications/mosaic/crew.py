@@ -261,7 +261,8 @@ class Cluster(Crew):
             raise lacking("cluster", error) from error
         self._bench = bench
         try:
-            self._client: Any = Client(address, timeout=patience_s, set_as_default=False)
+            make: Any = Client  # whose constructor has no types
+            self._client = make(address, timeout=patience_s, set_as_default=False)
             self._client.wait_for_workers(1, timeout=patience_s)
         except (OSError, TimeoutError, ValueError) as error:
             raise SignumError(f"--scheduler {address}: no Dask scheduler with workers answers there: start `dask "

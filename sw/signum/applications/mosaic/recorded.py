@@ -107,12 +107,13 @@ class RecordedSurvey(Survey):
             if not chosen:
                 again += 1
                 if again > AGAIN or not self._loops.forget(piece):
-                    return
+                    break
                 continue
             yield from self._ask([self._search(piece, *one) for one in chosen], f"round {turn}")
             for pair, deviation in chosen:
                 self._loops.attempt(piece, pair, deviation)
             self.ledger.solve(piece)
+        self._loops.conclude(piece)
 
     def _search(self, piece: Piece, pair: tuple[str, str], deviation: float) -> Question:
         """The question about a proposed pair."""

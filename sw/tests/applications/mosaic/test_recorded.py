@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 
 from signum.applications.mosaic.crew import Bench, Cluster, Crew, Processes, answer_all, shared_out
 from signum.applications.mosaic.edges import JOIN
+from signum.applications.mosaic.journal import Key
 from signum.applications.mosaic.recorded import RecordedSurvey
 from signum.boards.golden import GoldenBoard
 from signum.commands.cli import application
@@ -134,11 +135,16 @@ def test_frames_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     for frame in columns(6):
         write_picture(tmp_path / "frames" / f"{int(frame.name):06d}.png", frame.picture)
     read: list[str] = []
-    monkeypatch.setattr("signum.applications.mosaic.crew.own_bytes", lambda path: read.append(path.name)
-                        or path.read_bytes())
-    keys = [(k, k + 1, None, None) for k in range(5)] + [(k, k + 2, (1.0, 0.0, 0.0, 120.0), 18) for k in range(4)]
-    shares = shared_out(keys, 1)  # type: ignore[arg-type]
-    assert sorted(key for share in shares for key in share) == sorted(keys)  # type: ignore[type-var]
+
+    def reading(path: Path) -> bytes:
+        read.append(path.name)
+        return path.read_bytes()
+
+    monkeypatch.setattr("signum.applications.mosaic.crew.own_bytes", reading)
+    keys: list[Key] = [(k, k + 1, None, None) for k in range(5)]
+    keys += [(k, k + 2, (1.0, 0.0, 0.0, 120.0), 18) for k in range(4)]
+    shares = shared_out(keys, 1)
+    assert {key for share in shares for key in share} == set(keys)
     found = [one for share in shares for one in answer_all(_bench(tmp_path), share)]
     assert len(found) == 9 and sum(one.accepted for one in found) >= 5
     assert len(read) == 6 == len(set(read))

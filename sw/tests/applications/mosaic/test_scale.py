@@ -21,7 +21,7 @@ from signum.applications.mosaic.nearby import CentreGrid, ball, edges_among
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.survey import Survey
 from signum.applications.mosaic.windows import Knowledge, solve_window
-from signum.geometry.similarity import Similarity
+from signum.geometry.similarity import Similarity, overlap
 from signum.measure.register import Registrar
 from tests.applications.mosaic.imagined import CENTRE, SIZE, TruthRegistrar, imagined, lanes, ring
 
@@ -50,7 +50,7 @@ def _flown(count: int, along: int, out: Path) -> Iterator[Survey]:
 def test_the_work_a_frame_does_not_grow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Edges in all steps of least squares, and pairs whose overlap is looked at, a frame: 200 frames against 50."""
     work = 0
-    linear, overlap = graph._System.linear, loop_closures.overlap
+    linear = graph._System.linear
 
     def counted(system: Any, poses: Any) -> Any:
         nonlocal work
@@ -107,7 +107,7 @@ def test_a_long_way_round_is_closed(tmp_path: Path) -> None:
         survey.add(imagined(k))
     for _ in survey.finish():
         pass
-    survey.close(finished=False)
+    survey.leave()
     closing = [e for e in survey.edges if e.accepted and e.kind == LOOP and int(e.frame_b) - int(e.frame_a) > 100]
     assert len(closing) >= 4
     piece = survey.pieces[0]
