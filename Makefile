@@ -88,6 +88,10 @@ links: setup ## Links of real and rendered surveys against SIFT and truth, tilte
 navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars
 	@PYTHONPATH=sw $(PY) -m tests.localising
 
+.PHONY: compare
+compare: setup ## Signum beside Lucas-Kanade, DIS, ORB, SIFT, OpenCV's Stitcher and stereo on the same frames: out/compare/index.html (SEED=1; 10 minutes)
+	@PYTHONPATH=sw $(PY) -m tests.compare $(if $(SEED),--seed $(SEED))
+
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
 	@$(PY) -m ruff check .

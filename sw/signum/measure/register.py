@@ -159,6 +159,11 @@ class Prepared:
     coarse: Image
     fine: Image
 
+    @property
+    def nbytes(self) -> int:
+        """Its size in memory, bytes."""
+        return self.coarse.nbytes + self.fine.nbytes
+
 
 @dataclass(frozen=True)
 class _Vote:

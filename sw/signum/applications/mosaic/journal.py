@@ -43,6 +43,7 @@ class SurveyRun:
         stream: whether little moves between frames.
         window, sigma: of the registration.
         columns: how edges beside the sequence are looked for: single, auto or turned.
+        order: in which pairs are measured: "batch" when all frames are there, empty as the frames come.
     """
 
     source: str
@@ -52,6 +53,7 @@ class SurveyRun:
     sigma: float
     columns: str
     calibration: str = ""
+    order: str = ""
 
     @classmethod
     def read(cls, values: object) -> SurveyRun:
@@ -64,17 +66,17 @@ class SurveyRun:
             raise TypeError("no object")
         width, height = values["size"]
         run = cls(values["source"], (int(width), int(height)), bool(values["stream"]), int(values["window"]),
-                  float(values["sigma"]), values["columns"], values.get("calibration", ""))
+                  float(values["sigma"]), values["columns"], values.get("calibration", ""), values.get("order", ""))
         if not math.isfinite(run.sigma):
             raise ValueError("no width of a filter")
-        if not all(isinstance(text, str) for text in (run.source, run.columns, run.calibration)):
+        if not all(isinstance(text, str) for text in (run.source, run.columns, run.calibration, run.order)):
             raise TypeError("no text")
         return run
 
     def differs(self, other: SurveyRun) -> str:
         """The first difference in words, apart from the source; empty if there is none."""
         for name, flag in (("size", "frames of"), ("stream", "stream"), ("window", "--window"), ("sigma", "--sigma"),
-                           ("columns", "--columns"), ("calibration", "--calibration")):
+                           ("columns", "--columns"), ("calibration", "--calibration"), ("order", "order")):
             mine, others = ("x".join(map(str, v)) if isinstance(v, tuple) else v or "none" if isinstance(v, str) else v
                             for v in (getattr(self, name), getattr(other, name)))
             if mine != others:
