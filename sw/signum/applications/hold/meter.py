@@ -11,59 +11,38 @@ With two features, small angles and Z = Z0 = R these are equations 4 to 7. The r
 offset does not drift. It is warped by the predicted motion (`reference`), and every window of what is in sight of it is
 searched for near its predicted place; a lost one is searched for in the whole view (`search`).
 
-A reading is valid if chance does not explain that so many windows agree so closely (`evidence`), if they match better
-than they match other places of this very reference, and if their spread fixes the similarity well enough.
+Windows are small where the floor's texture shows in them, as they then follow relief and fit into a narrow overlap. Of
+a plain floor in murky water, a small window holds a few grey levels of noise and, maybe, a straight edge. Where too few
+small windows agree, or those that do leave the rotation uncertain, windows of four times the area are searched for in
+the same view. `matching` says when a reading is valid.
 """
 
 from __future__ import annotations
 
 import cmath
-import math
-from dataclasses import dataclass
+from dataclasses import replace
 
-import cv2
 import numpy as np
 
-from signum.applications.hold.evidence import log_false_alarms
-from signum.applications.hold.ground_fit import fit_ground
 from signum.applications.hold.level_camera import LevelCamera, inverse, moved
+from signum.applications.hold.matching import HOLD_RULES, Match, Matcher
 from signum.applications.hold.reading import UPRIGHT, Level, Reading
-from signum.applications.hold.reference import Reference, Warped
+from signum.applications.hold.reference import Reference
 from signum.applications.hold.search import WholeView
+from signum.applications.hold.snow import without_snow
 from signum.common.arrays import Floats, Image
-from signum.geometry.similarity import IDENTITY, Similarity, least_squares, vote
-from signum.measure.measurer import Measurer, Query, View
-from signum.measure.validity import Rules
+from signum.geometry.similarity import IDENTITY, Similarity
+from signum.measure.measurer import Measurer, View
 
-HOLD_RULES = Rules(min_score=0.56, min_margin=0.0, max_return_px=2.0, max_likeness=0.8)
-"""Of a window. They are loose: how often they let a wrong place pass is measured on the reference and reckoned with."""
-FLAKE = 5
-"""Side of the median filter that takes marine snow out of a picture, pixels."""
-TOLERANCE_PX = 4.0
-"""Largest residual of a window that agrees with the common similarity, pixels; relief and viewing angle cause it."""
-MOST_TURN_DEG, MOST_ZOOM = 8.0, 1.15
-"""Largest rotation and scale between the predicted motion and the common similarity."""
-FALSE_ALARMS = -7.0
-"""Logarithm to base 10 of the number of false alarms above which a reading is refused: at ten views a second that show
-nothing of the reference, chance is believed once in 12 days."""
-RIVAL_DEVIATIONS = 5.0
-"""Standard errors by which the agreeing windows' mean score must exceed that of other places."""
-MAX_TURN_ERROR = 0.01
-"""Standard error of the fitted rotation, radians, above which a reading has no confidence."""
-MAX_SHIFT_ERROR = 0.008
-"""Standard error of the fitted offset, as a share of the range, above which a reading has no confidence."""
-LEAST_NOISE_PX = 1.0
-"""Lower bound of the windows' residual in that error, pixels: the residual of a few windows may be small by chance."""
-LEAST_FIT_PX = 0.1
-"""Lower bound of the residual in the errors that a reading states, pixels: what a single window is good for."""
-LEAST_SHARE = 0.5
-"""Least share that must agree of the windows that are found anywhere."""
 WHOLE_SHARE = 0.8
 """Where the whole view was searched, least share that must agree of the windows that should, by the scores of those
 that do: where a part of the floor recurs elsewhere, its windows match there as well as ever, and the others not at all.
 """
-LEAST_SPREAD = 0.03
-"""Lower bound of the standard deviation of agreeing windows' scores."""
+LARGER, LEAST_LARGER = 2, 1.25
+"""Side of the larger windows over that of the small ones, and the least worth having, where board or picture allow no
+more."""
+TURN_ERROR = 0.001
+"""Standard error of the rotation, radians, above which larger windows are searched for after the small ones."""
 QUICK, QUICK_SHARE, QUICK_TURN = 24, 0.9, 0.0005
 """Number of windows that are searched for first; if no less than this share of them agree, and the rotation's standard
 error is below this, radians, the others are left out."""
@@ -73,31 +52,17 @@ LOOKS = 2
 """Number of proposals that are looked at in a frame."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Match:
-    """Windows that were searched for in a live view, and the similarity on which most of them agree: level pixels of
-    the reference -> of the view."""
-
-    tried: int
-    agreed: int = 0
-    similarity: Similarity = IDENTITY
-    score: float = 0.0
-    sure: bool = False
-    due: float = 1.0
-    turn_error: float = 0.0
-    shift_error: float = 0.0
-
-
 class StationMeter:
     """Measures the offset of live frames from a reference frame.
 
     Args:
-        measurer: at the frames' size. Two of its slots are used, the live view's included, two more while the reference
-            is lost.
+        measurer: at the frames' size. Two of its slots are used, the live view's included, one more for a moment where
+            larger windows are first needed, two more while the reference is lost.
         focal: pixels.
         range_m: range of the seafloor in the reference frame, metres, from stereo or assumed; offsets are
             proportional to it.
-        window: side of the feature windows, pixels.
+        window: side of the feature windows, pixels; windows twice as large are searched for where these find too
+            little texture.
         features: largest number of features.
         reach: half side of the search range around a predicted position, pixels.
 
@@ -112,6 +77,9 @@ class StationMeter:
         self.least = 4
         self.changes = -1
         self.camera = LevelCamera(measurer.size, focal)
+        large = min(LARGER * window, measurer.window_range[1], min(measurer.size) // 3)
+        self._sides = (window, large) if large >= LEAST_LARGER * window else (window,)
+        self._matcher = Matcher(measurer, self.camera)
         self._reference: Reference | None = None
         self._whole: WholeView | None = None
         self._last: Similarity = IDENTITY
@@ -140,7 +108,7 @@ class StationMeter:
         Args:
             picture: uint8 (height, width) of the measurer's size.
         """
-        return self.measurer.view(np.asarray(cv2.medianBlur(picture, FLAKE), np.uint8))
+        return self.measurer.view(without_snow(picture))
 
     def anchor(self, view: View, level: Level = UPRIGHT) -> int:
         """Make a view the station's reference and keep it; returns its number of features.
@@ -150,7 +118,7 @@ class StationMeter:
         """
         self.release()
         self.changes += 1
-        self._reference = Reference(self.measurer, self.camera, view, level, self.window, self.features, HOLD_RULES)
+        self._reference = Reference(self.measurer, self.camera, view, level, self._sides, self.features, HOLD_RULES)
         self._last, self._drift = IDENTITY, 0j
         return self.offered
 
@@ -186,10 +154,11 @@ class StationMeter:
         reference = self._anchored()
         predicted = Similarity(self._last.factor, self._last.shift + self._drift)
         onto = self.camera.onto(predicted, reference.level, level)
-        warped = reference.turn_to(onto)
-        match = self._match(reference, warped.first(QUICK), onto, live, level, self.reach + wide)
+        some = reference.turn_to(onto, self.window).first(QUICK)
+        match = self._matcher.match(reference, some, onto, live, level, self.reach + wide)
         if not match.sure or match.agreed < QUICK_SHARE * match.tried or match.turn_error > QUICK_TURN:
-            match = self._matched(reference, warped, onto, live, level, self.reach + wide)
+            match = self._matched(reference, onto, live, level, self.reach + wide,
+                                  self._sides if wide <= self.reach else self._sides[:1])
         if not match.sure:
             self._drift = 0j
             return Reading(agreed=match.agreed, tried=match.tried)
@@ -206,13 +175,14 @@ class StationMeter:
         if self._whole is None:
             self._whole = WholeView(self.measurer, reference.picture, self._last.factor)
         centre = complex(*self.centre)
-        match = _Match(0)
-        found: list[_Match] = []
+        match = Match(0)
+        found: list[Match] = []
         for candidate in self._whole.look(live.picture)[:LOOKS]:
             about = Similarity(1, centre) @ candidate.similarity @ Similarity(1, -centre)
             onto = np.vstack([about.matrix, [0, 0, 1]])
-            match = self._matched(reference, reference.warp(onto), onto, live, level, SEEK_PX)
-            if match.sure and match.agreed >= WHOLE_SHARE * match.due * match.tried:
+            reference.warp(onto)
+            match = self._matched(reference, onto, live, level, SEEK_PX, self._sides, WHOLE_SHARE)
+            if match.sure:
                 found.append(match)
         if not found or any(self._apart(found[0], other) for other in found[1:]):
             return Reading(agreed=match.agreed, tried=match.tried)
@@ -230,7 +200,7 @@ class StationMeter:
         """Positions of the features by the last reading or `expect`: pixels (n, 2) of the frame."""
         if self._reference is None:
             return np.zeros((0, 2))
-        return self._tilted(self._last(self._reference.warped.anchors), level)
+        return self._tilted(self._last(self._reference.windows(self.window).anchors), level)
 
     def middle_at(self, level: Level = UPRIGHT) -> Floats:
         """Position of the ground point below the station, in the same form: pixel (2,) of the frame."""
@@ -246,56 +216,31 @@ class StationMeter:
             self._whole.release()
             self._whole = None
 
-    def _matched(self, reference: Reference, warped: Warped, onto: Floats, live: View, level: Level, reach: int
-                 ) -> _Match:
-        """Search for the windows of a warped reference where `onto` expects them in a live view, and again with what
-        they agree on, where few do."""
-        match = self._match(reference, warped, onto, live, level, reach)
-        if not match.sure and match.agreed >= 3:
-            onto = self.camera.onto(match.similarity, reference.level, level)
-            again = self._match(reference, reference.turn_to(onto), onto, live, level, self.reach)
-            match = again if again.sure or again.agreed > match.agreed else match
-        return match
+    def _matched(self, reference: Reference, onto: Floats, live: View, level: Level, reach: int,
+                 sides: tuple[int, ...], share: float = 0.0) -> Match:
+        """Search for windows where `onto` expects them in a live view, and again with what they agree on, where few do;
+        for larger ones where the smaller are not sure, fewer of them agree than `share` of those due, or leave the
+        rotation uncertain."""
+        best = Match(0)
+        for side in sides:
+            match = self._matcher.match(reference, reference.turn_to(onto, side), onto, live, level, reach)
+            if not match.sure and match.agreed >= 3:
+                near = self.camera.onto(match.similarity, reference.level, level)
+                again = self._matcher.match(reference, reference.turn_to(near, side), near, live, level, self.reach)
+                match = again if again.sure or again.agreed > match.agreed else match
+            match = match if match.agreed >= share * match.due * match.tried else replace(match, sure=False)
+            if not best.sure or (match.sure and match.turn_error < best.turn_error):
+                best = match
+            if best.sure and best.turn_error <= TURN_ERROR:
+                break
+        return best
 
-    def _match(self, reference: Reference, warped: Warped, onto: Floats, live: View, level: Level, reach: int
-               ) -> _Match:
-        centres, window = warped.centres.astype(np.float64), self.window
-        ahead = moved(onto @ inverse(warped.onto), centres)
-        answers = self.measurer.measure(
-            [Query(warped.view, live, x, y, window, window, (float(d[0]), float(d[1])), (reach, reach))
-             for (x, y), d in zip(warped.centres.tolist(), ahead - centres, strict=True)], HOLD_RULES)
-        keep = [i for i, m in enumerate(answers) if m.valid]
-        tried = int(self._visible(ahead).sum())
-        if len(keep) < 3:
-            return _Match(tried)
-        levelling = self.camera.levelling(level)
-        found = moved(levelling, centres[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep])
-        anchors, expected = warped.anchors[keep], moved(levelling, ahead[keep])
-        _, agree = vote(expected, found, TOLERANCE_PX, MOST_TURN_DEG, MOST_ZOOM, 1.5 * window)
-        if agree.sum() < 3:
-            return _Match(tried)
-        result = fit_ground(anchors, found, least_squares(anchors[agree], found[agree]), self.focal, TOLERANCE_PX)
-        agreed = int(result.agree.sum())
-        tried = max(tried, agreed)
-        if agreed < 3:
-            return _Match(tried, agreed)
-        scores = np.array([answers[i].score for i in keep])[result.agree]
-        chance = log_false_alarms(result.misses, len(answers), (2 * reach + 1) ** 2,
-                                  reference.rivals.passing(float(np.quantile(scores, 0.25))), warped.share,
-                                  3 if result.sloping(self.focal) else 2)
-        turn, shift = result.errors(LEAST_NOISE_PX)
-        sure = (chance <= FALSE_ALARMS and agreed >= LEAST_SHARE * len(keep) and turn <= MAX_TURN_ERROR
-                and shift <= MAX_SHIFT_ERROR * self.focal and reference.rivals.exceeded_by(scores, RIVAL_DEVIATIONS))
-        due = _above(max(reference.rivals.mean, HOLD_RULES.min_score), scores)
-        return _Match(tried, agreed, result.similarity, float(np.median(scores)), sure, due,
-                      *result.errors(LEAST_FIT_PX))
-
-    def _apart(self, one: _Match, other: _Match) -> bool:
+    def _apart(self, one: Match, other: Match) -> bool:
         """Whether two matches are of different places."""
         far = np.abs(one.similarity(np.zeros((1, 2))) - other.similarity(np.zeros((1, 2)))).max()
         return bool(far > self.window / 2 or abs(one.similarity.factor - other.similarity.factor) > 0.1)
 
-    def _found(self, match: _Match) -> Reading:
+    def _found(self, match: Match) -> Reading:
         """Equations 4 to 7 without the small-angle approximation."""
         self._stop_search()
         self._last = similarity = match.similarity
@@ -311,13 +256,3 @@ class StationMeter:
     def _tilted(self, points: Floats, level: Level) -> Floats:
         """Pixels of the frame, of level pixels."""
         return moved(inverse(self.camera.levelling(level)), points)
-
-    def _visible(self, points: Floats) -> Floats:
-        half = self.window / 2
-        return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
-
-
-def _above(floor: float, scores: Floats) -> float:
-    """Share of a normal distribution with the mean and deviation of scores (n,) that lies above `floor`."""
-    deviations = (float(scores.mean()) - floor) / max(float(scores.std()), LEAST_SPREAD)
-    return 0.5 * (1 + math.erf(deviations / math.sqrt(2)))

@@ -8,9 +8,8 @@ where they lie in the warped one, and all of them in the part of the reference t
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import cv2
 import numpy as np
@@ -18,68 +17,21 @@ from numpy.typing import NDArray
 
 from signum.applications.hold.level_camera import LevelCamera, inverse, moved
 from signum.applications.hold.reading import Level
+from signum.applications.hold.rivals import Rivals, measure_rivals, measure_twins
+from signum.applications.hold.windows import Integers, Windows
 from signum.common.arrays import Floats, Image
-from signum.measure.measurer import Measurer, Query, View
+from signum.measure.measurer import Measurer, View
 from signum.measure.validity import Rules
 
-Integers = NDArray[np.int64]
 STRAY = 0.03
-"""Largest difference in rotation (radians) and scale between the motion and the warp."""
+"""Largest difference in rotation (radians) and scale between the motion and the warp, for the smallest windows; larger
+ones bear less, as their corners lie farther out."""
 STRAY_PX = 64.0
 """Largest difference in translation, pixels: beyond it, the warp leaves out too much of what is in sight."""
 CELL = 8
 """Side of the cells by which overlapping windows are counted, pixels."""
-LEAST_PASSING = 0.01
-"""Lower bound of the probability of a score elsewhere: no more than a hundred places of a reference are tried."""
-LEAST_DEVIATION = 0.01
-"""Lower bound of the deviation of scores elsewhere: that of a few windows may be small by chance."""
 FEW = 20
 """Number of windows below which they are laid closer, so that they overlap."""
-
-
-@dataclass(frozen=True, eq=False)
-class Warped:
-    """A warped reference view.
-
-    Attributes:
-        view: on the board.
-        onto: homography (3, 3) from the reference's pixels to the view's.
-        centres: (n, 2) int, of the windows.
-        anchors: (n, 2) level pixels of the reference that they show.
-        share: of the windows that are independent, as they overlap where few fit.
-    """
-
-    view: View
-    onto: Floats
-    centres: Integers
-    anchors: Floats
-    share: float
-
-    def first(self, count: int) -> Warped:
-        """With the first `count` of its windows only; they are spread over what is in sight."""
-        return replace(self, centres=self.centres[:count], anchors=self.anchors[:count])
-
-
-class Rivals(NamedTuple):
-    """What the reference's own windows score at other places of it: what a wrong place of such a floor scores.
-
-    Attributes:
-        valid: share of the windows whose measurement there is valid.
-        mean: over the windows, of the best score of each; deviation: their standard deviation.
-    """
-
-    valid: float
-    mean: float
-    deviation: float
-
-    def passing(self, score: float) -> float:
-        """Probability that a window's measurement elsewhere is valid and scores as well, as far as these show."""
-        deviations = (score - self.mean) / self.deviation
-        return self.valid * max(LEAST_PASSING, 0.5 * math.erfc(deviations / math.sqrt(2)))
-
-    def exceeded_by(self, scores: Floats, deviations: float) -> bool:
-        """Whether scores (n,) of windows at one place exceed these by as many standard errors of their mean."""
-        return bool(scores.mean() - self.mean > deviations * self.deviation / math.sqrt(len(scores)))
 
 
 class Reference:
@@ -90,90 +42,110 @@ class Reference:
         camera: of the pictures.
         view: of the reference; released here, when its warps no longer need it.
         level: of its camera.
-        window: side of the windows, pixels.
-        most: largest number of windows.
+        sides: of the windows, pixels; the first is that of `offered`.
+        most: largest number of windows of a size.
         rules: of the windows: their likeness to themselves.
 
     Attributes:
         picture: the reference's own copy.
         offered: number of windows in the whole reference.
-        rivals: of the whole reference.
     """
 
-    def __init__(self, measurer: Measurer, camera: LevelCamera, view: View, level: Level, window: int, most: int,
-                 rules: Rules) -> None:
+    def __init__(self, measurer: Measurer, camera: LevelCamera, view: View, level: Level, sides: tuple[int, ...],
+                 most: int, rules: Rules) -> None:
         self._measurer, self._camera, self._rules = measurer, camera, rules
         self.picture: Image = view.picture.copy()
-        self.level, self.window, self.most = level, window, most
+        self.level, self.sides, self.most = level, sides, most
         self._levelling = camera.levelling(level)
-        self.warped = self._prepared(view, np.eye(3))
-        self.offered = len(self.warped.centres)
-        self.rivals = self._rivals()
+        self._view, self._onto = view, np.eye(3)
+        self._windows: dict[int, Windows] = {}
+        self._rivals: dict[int, Rivals] = {}
+        self._twins: Floats | None = None
+        whole = self.windows(sides[0])
+        self.offered = len(whole.centres)
+        self._rivals[sides[0]] = measure_rivals(measurer, whole, rules)
 
     def release(self) -> None:
         """Release the view."""
-        self._measurer.release(self.warped.view)
+        self._measurer.release(self._view)
 
-    def turn_to(self, onto: Floats) -> Warped:
-        """The view warped about as by `onto` (3, 3): the present one where that is near enough."""
-        if self._strays(onto):
+    def turn_to(self, onto: Floats, side: int) -> Windows:
+        """Windows of a view warped about as by `onto` (3, 3): the present view where that is near enough for them."""
+        if self._strays(onto, STRAY * self.sides[0] / side):
             self.warp(onto)
-        return self.warped
+        return self.windows(side)
 
-    def warp(self, onto: Floats) -> Warped:
-        """The view warped by `onto` (3, 3), reference pixels -> live pixels."""
-        self._measurer.release(self.warped.view)
+    def warp(self, onto: Floats) -> None:
+        """Warp the view by `onto` (3, 3), reference pixels -> live pixels."""
+        self._measurer.release(self._view)
         picture = cv2.warpPerspective(self.picture, onto, self._camera.size, flags=cv2.INTER_LINEAR,
                                       borderMode=cv2.BORDER_REPLICATE)
-        self.warped = self._prepared(self._measurer.view(np.asarray(picture, np.uint8)), onto)
-        return self.warped
+        self._view, self._onto = self._measurer.view(np.asarray(picture, np.uint8)), onto
+        self._windows = {}
 
-    def _rivals(self) -> Rivals:
-        """Each window is searched for around itself, left, right, above and below, half a window off and more."""
-        side, view = self.window, self.warped.view
-        reach = side // 2
-        answers = self._measurer.measure([Query(view, view, x, y, side, side, (dx, dy), (reach, reach))
-                                          for x, y in self.warped.centres.tolist()
-                                          for dx, dy in ((side, 0), (-side, 0), (0, side), (0, -side))], self._rules)
-        valid = (1 + sum(m.valid for m in answers)) / (2 + len(answers))
-        best = np.array([m.score for m in answers]).reshape(-1, 4).max(axis=1, initial=0.5)
-        return Rivals(valid, float(best.mean()) if best.size else 0.5,
-                      max(float(best.std()), LEAST_DEVIATION) if best.size else LEAST_DEVIATION)
+    def windows(self, side: int) -> Windows:
+        """Windows of the present view."""
+        if side not in self._windows:
+            self._windows[side] = self._laid(self._view, self._onto, side)
+        return self._windows[side]
 
-    def _strays(self, onto: Floats) -> bool:
+    def rivals(self, side: int) -> Rivals:
+        """Of the windows of a size in the whole reference; a free slot is needed at the first call for a size."""
+        if side not in self._rivals:
+            with self._whole(side) as whole:
+                self._rivals[side] = measure_rivals(self._measurer, whole, self._rules)
+        return self._rivals[side]
+
+    def twins(self) -> Floats:
+        """The displacements (k, 2), pixels, at which the reference looks most like itself, by its largest windows; a
+        free slot is needed at the first call."""
+        if self._twins is None:
+            with self._whole(self.sides[-1]) as whole:
+                self._twins = measure_twins(self._measurer, whole)
+        return self._twins
+
+    @contextmanager
+    def _whole(self, side: int) -> Iterator[Windows]:
+        """The windows of the unwarped reference."""
+        view = self._measurer.view(self.picture)
+        try:
+            yield self._laid(view, np.eye(3), side)
+        finally:
+            self._measurer.release(view)
+
+    def _strays(self, onto: Floats, most: float) -> bool:
         size = np.array(self._camera.size, np.float64)
         probe = self._camera.centre + 0.4 * size * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
         try:
-            there = moved(inverse(self.warped.onto), probe)
+            there = moved(inverse(self._onto), probe)
         except np.linalg.LinAlgError:
             return True
         off = moved(onto, there) - probe
         arm = 0.4 * size[[0, 0, 1, 1]]
-        return bool(np.hypot(*off[0]) > STRAY_PX or (np.hypot(*(off[1:] - off[0]).T) > STRAY * arm).any())
+        return bool(np.hypot(*off[0]) > STRAY_PX or (np.hypot(*(off[1:] - off[0]).T) > most * arm).any())
 
-    def _prepared(self, view: View, onto: Floats) -> Warped:
-        for step in range(self.window, self.window // 2 - 1, -max(1, self.window // 16)):
-            centres = self._places(onto, step)
+    def _laid(self, view: View, onto: Floats, side: int) -> Windows:
+        for step in range(side, side // 2 - 1, -max(1, side // 16)):
+            centres = self._places(onto, side, step)
             if len(centres) >= FEW:
                 break
         if len(centres):
-            side = self.window
             likeness = np.array(self._measurer.likeness(view, [(x, y, side, side) for x, y in centres.tolist()]))
             order = np.argsort(likeness, kind="stable")
             order = order[likeness[order] <= self._rules.max_likeness]
             centres = centres[_spread(order, centres, self.most)]
         back = moved(inverse(onto), centres.astype(np.float64).reshape(-1, 2))
-        return Warped(view, onto, centres, moved(self._levelling, back), self._independent(centres))
+        return Windows(view, onto, side, centres, moved(self._levelling, back), self._independent(centres, side))
 
-    def _independent(self, centres: Integers) -> float:
+    def _independent(self, centres: Integers, side: int) -> float:
         """Area that windows cover together, over the sum of their areas."""
         cover = np.zeros(-(-np.array(self._camera.size[::-1]) // CELL), np.bool_)
-        side = max(1, self.window // CELL)
-        for x, y in ((centres - self.window // 2) // CELL).tolist():
-            cover[y:y + side, x:x + side] = True
-        return float(cover.sum()) / max(1, len(centres) * side * side)
+        cells = max(1, side // CELL)
+        for x, y in ((centres - side // 2) // CELL).tolist():
+            cover[y:y + cells, x:x + cells] = True
+        return float(cover.sum()) / max(1, len(centres) * cells * cells)
 
-    def _places(self, onto: Floats, step: int) -> Integers:
+    def _places(self, onto: Floats, side: int, step: int) -> Integers:
         """Centres (n, 2) of a grid of windows, `step` pixels apart or more, that lie wholly in what the warped view
         has of the reference."""
         width, height = self._camera.size
@@ -182,7 +154,7 @@ class Reference:
         seen = moved(onto, frame)
         low = np.maximum(np.floor(seen.min(axis=0)), 0).astype(int)
         high = np.minimum(np.ceil(seen.max(axis=0)), [width - 1, height - 1]).astype(int)
-        half, lines = self.window // 2, []
+        half, lines = side // 2, []
         for a, b in zip(low.tolist(), high.tolist(), strict=True):
             first, last = a + half + margin, b - half - margin + 1
             if last < first:

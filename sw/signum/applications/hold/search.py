@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a lost reference is: a search over the whole view, rotations and scales, some of them in each frame.
 
-Both pictures are scaled to 160 pixels, after a median filter that takes marine snow out: a flake is as large as the
-texture there. The reference is drawn many times on a sheet of the board's size, each time turned and scaled
-differently, so that one capture serves up to 16 variants and the board keeps its picture size. Each of a grid of a
-variant's windows is searched for in the whole live view; the similarity that most of them agree on is a candidate,
-unless chance explains it.
+Both pictures, without their marine snow, as a flake is as large as the texture there, are scaled to 160 pixels. The
+reference is drawn many times on a sheet of the board's size, each time turned and scaled differently, so that one
+capture serves up to 16 variants and the board keeps its picture size. Each of a grid of a variant's windows is searched
+for in the whole live view; the similarity that most of them agree on is a candidate, unless chance explains it.
 """
 
 from __future__ import annotations
@@ -31,8 +30,11 @@ WINDOW = 32
 """Side of the windows, small pixels, at most a third of the picture."""
 GRID = 7, 6
 """Windows across and down."""
-FLAKE = 5
-"""Side of the median filter, pixels of the board's picture."""
+SLOW = 16.0
+"""Deviation of the Gaussian, small pixels, above which brightness changes slowly: many times that of the board's
+filter, which does not see it anyway."""
+DEVIATION, LEAST_CONTRAST = 40.0, 0.05
+"""Grey levels to which a small picture's deviation is stretched, and the least that it is taken to have."""
 STEP_DEG, STEP_SCALE = 8.0, 1.15
 """Steps of the variants; a variant's windows are still found half of both away from it."""
 NEAR = 3, 1
@@ -147,8 +149,7 @@ class WholeView:
         return np.asarray(centres[((back >= -1) & (back <= size)).all(axis=(1, 2))])
 
     def _shrunk(self, picture: Image) -> Image:
-        calm = cv2.medianBlur(picture, FLAKE)
-        return np.asarray(cv2.resize(calm, self._small, interpolation=cv2.INTER_AREA), np.uint8)
+        return _even(np.asarray(cv2.resize(picture.astype(np.float32), self._small, interpolation=cv2.INTER_AREA)))
 
     def _drawn(self, pictures: list[Image]) -> Image:
         """Small pictures on a sheet, row by row."""
@@ -158,6 +159,14 @@ class WholeView:
             x, y = width * (k % self._columns), height * (k // self._columns)
             sheet[y:y + height, x:x + width] = picture
         return sheet
+
+
+def _even(small: Floats) -> Image:
+    """A small picture without what changes slowly, stretched to the range of a pixel: the mean of many pixels tells
+    more than whole grey levels, and a plain floor in murky water has few of them."""
+    apart = small - cv2.GaussianBlur(small, (0, 0), SLOW)
+    stretch = DEVIATION / max(float(apart.std()), LEAST_CONTRAST)
+    return np.asarray(np.clip(np.rint(128 + stretch * apart), 0, 255), np.uint8)
 
 
 def _endless(begin: complex) -> Iterator[complex]:
