@@ -11,6 +11,7 @@ peak/slog_compare_pkg.sv
 peak/slog_peak_pkg.sv
 store/slog_store_pkg.sv
 correlator/slog_fetch_pkg.sv
+dense/slog_dense_pkg.sv
 gen/tiny/slog_cfg_pkg.sv
 gen/slog_csr_pkg.sv
 cells/slog_ram.sv
@@ -69,4 +70,11 @@ control/slog_axil.sv
 control/slog_counters.sv
 gen/slog_csr.sv
 control/slog_control.sv
+cells/slog_ram_clear.sv
+dense/slog_dense_lanes.sv
+dense/slog_dense_memory.sv
+dense/slog_dense_winner.sv
+dense/slog_dense_back.sv
+dense/slog_dense_group.sv
+dense/slog_dense_engine.sv
 slog_board.sv

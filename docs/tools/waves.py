@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from golden.correlate import Job
+from golden.cycle.dense.structs import BACK, WINNER
 from golden.cycle.model import Inputs, Stimulus
 from golden.params import TINY
 from golden.structs import JOB, Layout, pack_job
@@ -211,7 +212,31 @@ def control() -> Wave:
         Signal("s_axil_rready"), Signal("s_axil_rdata", True, "s_axil_rvalid", True, held=True)))
 
 
-WAVES = {f.__name__: f for f in (cells, frontend, store, correlator, array, peak, control)}
+def dense() -> Wave:
+    """Rows of ten pixels under windows of 2x2; the right plane is the left one moved by two."""
+    rows = ("1011001010", "0110101100", "1100110101")
+    inputs: list[Inputs] = [{"flush_i": 1}] * 24
+    for y, row in enumerate(rows):
+        left = [int(c) for c in row]
+        before = [int(c) for c in rows[y - 2]] if y >= 2 else [0] * len(left)
+        for x in range(len(left)):
+            moved, moved_before = (line[x + 2] if x < 8 else 0 for line in (left, before))
+            inputs.append({"left_valid_i": 1, "right_valid_i": 1, "first_i": int(y == 0), "left_incoming_i": left[x],
+                           "left_leaving_i": before[x], "right_incoming_i": moved, "right_leaving_i": moved_before,
+                           "left_ok_i": int(min(x, y) >= 1) << y % 2,
+                           "right_ok_i": int(min(x, y) >= 1 and x < 8) << y % 2})
+        inputs += [{}] * 6
+    common = {"offsets_i": 4}
+    parameters = {"Offsets": 4, "Lanes": 2, "MaxWindow": 2, "Sizes": 1, "MaxWidth": 10}
+    return Wave("dense.test_engine", "slog_dense_engine", parameters, "slog_dense_engine, four offsets",
+                [{**common, **i} for i in [*inputs, *[{}] * 16]], (
+        Signal("left_valid_i"), Signal("left_incoming_i"), Signal("right_incoming_i"), Signal("winner_valid_o"),
+        Signal("winner_o.index", True, "winner_valid_o"), Signal("winner_o.best", True, "winner_valid_o"),
+        Signal("back_valid_o"), Signal("back_o.index", True, "back_valid_o")), start=54,
+                fields={"winner_o": WINNER, "back_o": BACK})
+
+
+WAVES = {f.__name__: f for f in (cells, frontend, store, correlator, array, peak, control, dense)}
 
 
 def main(names: Sequence[str]) -> None:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One ECP5 block RAM: one write port, one read port of the same width, output register in use.
 //
-// Latency    : rd_data_o holds the word two clocks after rd_en_i.
+// Latency    : rd_data_o holds the word two clocks after rd_en_i, or 0 where clear_i is high in the clock after it.
 // Formats    : words of Bits = 1, 2, 4, 9, 18 or 36; 16384 / 8192 / 4096 / 2048 / 1024 / 512 of them.
 //              Addresses are left aligned in the block's 14 address pins.
 // At 36 bits the block joins its two ports: for reads and for writes port A's data pins carry the low half, port B's the
@@ -14,6 +14,7 @@ module slog_ecp5_bram #(
     input  logic [    13:0] wr_addr_i,
     input  logic [Bits-1:0] wr_data_i,
     input  logic            rd_en_i,
+    input  logic            clear_i,
     input  logic [    13:0] rd_addr_i,
     output logic [Bits-1:0] rd_data_o
 );
@@ -30,9 +31,9 @@ module slog_ecp5_bram #(
       .REGMODE_A("OUTREG"), .REGMODE_B("OUTREG"), .RESETMODE("SYNC"), .ASYNC_RESET_RELEASE("SYNC"),
       .CSDECODE_A("0b000"), .CSDECODE_B("0b000"), .WRITEMODE_A("NORMAL"), .WRITEMODE_B("NORMAL"), .GSR("DISABLED")
   ) u_bram (
-      .CLKA(clk_i), .CEA(wr_en_i), .WEA(1'b1), .OCEA(1'b1), .RSTA(1'b0),
+      .CLKA(clk_i), .CEA(wr_en_i), .WEA(1'b1), .OCEA(1'b1), .RSTA(Bits == 36 ? clear_i : 1'b0),
       .CSA0(1'b0), .CSA1(1'b0), .CSA2(1'b0),
-      .CLKB(clk_i), .CEB(rd_en_i), .WEB(1'b0), .OCEB(1'b1), .RSTB(1'b0),
+      .CLKB(clk_i), .CEB(rd_en_i), .WEB(1'b0), .OCEB(1'b1), .RSTB(clear_i),
       .CSB0(1'b0), .CSB1(1'b0), .CSB2(1'b0),
       .ADA0(wr_addr[0]), .ADA1(wr_addr[1]), .ADA2(wr_addr[2]), .ADA3(wr_addr[3]), .ADA4(wr_addr[4]),
       .ADA5(wr_addr[5]), .ADA6(wr_addr[6]), .ADA7(wr_addr[7]), .ADA8(wr_addr[8]), .ADA9(wr_addr[9]),

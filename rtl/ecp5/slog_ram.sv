@@ -41,6 +41,7 @@ module slog_ram #(
         .wr_addr_i(wr_addr),
         .wr_data_i(wr_data[n*Bits+:Bits]),
         .rd_en_i,
+        .clear_i  (1'b0),
         .rd_addr_i(rd_addr),
         .rd_data_o(rd_data[n*Bits+:Bits])
     );

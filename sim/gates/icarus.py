@@ -1,27 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The netlist of the board `tiny` in Icarus, from all-X: `tb_gates.sv` with the program of `sim.gates.program`."""
+"""The netlist of the board `tiny` in Icarus, from all-X: `tb_gates.sv` with the program of `sim.gates.program`.
+
+`python -m sim.gates.icarus` simulates what Yosys makes, with `--routed` what nextpnr makes of that: then a second run
+with one wrong bit in one look-up table must fail.
+"""
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import shutil
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from golden.cycle.board import RESET_END
 from golden.params import TINY
 from sim.building import tail
-from sim.gates.netlist import GATE_MODELS, cells, netlist
+from sim.gates.netlist import GATE_MODELS, ROUTED_MODELS, cells, netlist, routed
 from sim.gates.plain import namer, verilog
 from sim.gates.program import Program, program
+from sim.gates.routed import flipped
 from sim.synth.netlist import flat
 from sim.toolchain import ROOT, TOP
 
 HERE = Path(__file__).parent
-MODELS = (GATE_MODELS, HERE / "blocks.sv", HERE / "tb_gates.sv")
+MODELS = (GATE_MODELS, ROUTED_MODELS, HERE / "blocks.sv", HERE / "tb_gates.sv")
 SIZE = 21, 19
 RESET_CLOCKS = 1
 """Clocks for which the contract wants the board's reset pin held."""
@@ -37,6 +43,10 @@ WHEN = {
 """Flags that are data: registers without reset, which may be anything until they are loaded. Each must be known
 whenever all of these nets are high: a row of outputs ends; a frame is written; a checked job waits; a row is held, or
 offered."""
+WRONG = "s_axil_rvalid"
+"""The output before which a look-up table gets a wrong bit."""
+HIGH = ("s_axil_rready",)
+"""Inputs that the bench holds high."""
 MISSING = "Icarus is not installed: run `apt-get install iverilog`"
 
 
@@ -87,15 +97,14 @@ def parameters(plan: Program) -> list[str]:
     return [f"-Ptb_gates.{name}={value}" for name, value in values.items()]
 
 
-def run(source: Path, folder: Path) -> str:
-    """Simulate a flat netlist in JSON, in `folder`; returns the bench's last line.
+def run(module: Mapping[str, Any], folder: Path) -> str:
+    """Simulate a flat netlist, in `folder`; returns the bench's last line.
 
     Raises:
         SystemExit: with the end of its output if the bench fails.
     """
     plan = program(TINY, SIZE)
     folder.mkdir(parents=True, exist_ok=True)
-    module = flat(json.loads(source.read_text()))
     text, names = flags_text(module)
     for name, content in {**plan.files(), "flags.svh": text, "flags.txt": "".join(
             f"{k} {flag}\n" for k, flag in enumerate(names)), "plain.v": verilog(TOP, module)}.items():
@@ -114,17 +123,40 @@ def run(source: Path, folder: Path) -> str:
     return last
 
 
-def main() -> int:
+def run_routed() -> str:
+    """Simulate what nextpnr makes of the netlist, and again with a wrong bit; returns the bench's last line.
+
+    Raises:
+        SystemExit: if the bench fails, or does not fail with the wrong bit.
+    """
+    folder, module = routed("tiny")
+    print(f"gates: {len(module['cells'])} cells, {folder.relative_to(ROOT)}", flush=True)
+    last = run(module, folder / "icarus")
+    try:
+        run(flipped(module, WRONG, HIGH), folder / "wrong")
+    except SystemExit as failure:
+        print(f"with a wrong bit in the table before {WRONG}: {str(failure).splitlines()[-1]}")
+        return last
+    raise SystemExit(f"the bench does not notice a wrong bit in the look-up table before {WRONG}")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
     """Simulate the netlist of `tiny`.
 
     Raises:
         SystemExit: with one line if Icarus is not installed.
     """
+    parser = argparse.ArgumentParser(prog="python -m sim.gates.icarus", description="The board's netlist, from all-X.")
+    parser.add_argument("--routed", action="store_true", help="as nextpnr places and routes it")
+    options = parser.parse_args(argv)
     if not shutil.which("iverilog") or not shutil.which("vvp"):
         raise SystemExit(MISSING)
+    if options.routed:
+        print(run_routed())
+        return 0
     made = netlist(TOP, "tiny", {}, {})
     print(f"gates: {cells(made)} cells, {made.parent.relative_to(ROOT)}", flush=True)
-    print(run(made.with_name("netlist.json"), made.parent / "icarus"))
+    print(run(flat(json.loads(made.with_name("netlist.json").read_text())), made.parent / "icarus"))
     return 0
 
 

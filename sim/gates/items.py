@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Netlist = Literal["synthesised", "icarus"]
+Netlist = Literal["synthesised", "routed", "icarus", "icarus_routed"]
 
 
 @dataclass(frozen=True)
@@ -18,8 +18,8 @@ class GateItem:
         file: with the tests, within `cocotb_tests/`.
         tests: those of its pytest functions that run; all where it is empty.
         reason: why the others do not.
-        netlist: `synthesised`: as Yosys makes it, in Verilator. `icarus`: the board's in Icarus, from all-X, with a
-            bench instead of tests.
+        netlist: `synthesised`: as Yosys makes it, in Verilator. `routed`: as nextpnr places and routes it, in
+            Verilator. `icarus`, `icarus_routed`: the board's in Icarus, from all-X, with a bench instead of tests.
     """
 
     name: str
@@ -33,6 +33,7 @@ ITEMS = (
     GateItem("fifo", "cells/test_fifo.py"),
     GateItem("mult", "cells/test_mult.py"),
     GateItem("ram", "cells/test_ram.py"),
+    GateItem("ram_clear", "cells/test_ram_clear.py"),
     GateItem("ram_fifo", "cells/test_ram_fifo.py"),
     GateItem("packer", "frontend/test_packer.py"),
     GateItem("taps", "frontend/test_taps.py"),
@@ -59,10 +60,17 @@ ITEMS = (
     GateItem("array", "array/test_array.py"),
     GateItem("peak_parts", "peak/test_peak_parts.py"),
     GateItem("peak", "peak/test_peak.py"),
+    GateItem("dense_lanes", "dense/test_lanes.py"),
+    GateItem("dense_memory", "dense/test_memory.py"),
+    GateItem("dense_winner", "dense/test_winner.py"),
+    GateItem("dense_engine", "dense/test_engine.py"),
     GateItem("correlator", "correlator/test_correlator.py"),
     GateItem("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
     GateItem("board_races", "test_board_races.py"),
     GateItem("board_icarus", "", netlist="icarus"),
+    GateItem("board_routed", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only",
+             netlist="routed"),
+    GateItem("board_routed_icarus", "", netlist="icarus_routed"),
 )
 ELSEWHERE: dict[str, str] = {}
 """Files of `cocotb_tests/` that simulate and are in no item, with the reason."""

@@ -1,19 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """A module's netlist of ECP5 cells as SystemVerilog, made by `synth_ecp5` and kept while its sources stay the same.
 
-The board's is the very netlist that `sim.synth` gives to nextpnr; those of its parts are mapped one by one.
+The board's is the very netlist that `sim.synth` gives to nextpnr; those of its parts are mapped one by one. `routed` is
+what nextpnr makes of the board's.
 """
 
 from __future__ import annotations
 
 import json
+import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from sim.building import digest, locked
-from sim.synth import fabric, yosys
+from sim.gates.routed import closed_module, restored
+from sim.gates.routes import check
+from sim.synth import fabric, floorplan, nextpnr, yosys
+from sim.synth.floorplan import constrain
+from sim.synth.flow import FLOORPLANS
 from sim.synth.netlist import flat
+from sim.synth.nextpnr import route
 from sim.synth.tools import run_tool, seen
 from sim.synth.yosys import FORGET, PRIMITIVES, write_netlist
 from sim.toolchain import BUILD, CELL_MODELS, ROOT, RTL, TOP, headers, sources_of
@@ -23,6 +31,12 @@ MAKERS = Path(yosys.__file__), Path(fabric.__file__)
 """Files whose change makes every netlist anew, besides that of the script."""
 GATE_MODELS = CELL_MODELS.with_name("gates.sv")
 """Models of the cells that Yosys maps logic to."""
+ROUTED_MODELS = CELL_MODELS.with_name("routed.sv")
+"""Models of the cells that nextpnr packs those into."""
+SEED = 1
+"""Of nextpnr: the first of those that `sim.synth` takes."""
+PLACERS = Path(nextpnr.__file__), Path(floorplan.__file__)
+"""Files whose change makes place and route start anew."""
 
 
 def script(top: str, config: str, parameters: Mapping[str, int], defines: Mapping[str, str], folder: Path) -> str:
@@ -85,6 +99,43 @@ def netlist(top: str, config: str, parameters: Mapping[str, int], defines: Mappi
     return made
 
 
+def routed(config: str) -> tuple[Path, dict[str, Any]]:
+    """Folder and module of the board's netlist as nextpnr places and routes it for `sim.synth`'s first seed.
+
+    It is placed and routed once; that the routes connect what the netlist connects is checked each time.
+
+    Raises:
+        SystemExit: if a tool fails.
+        ValueError: if the routes are wrong; if a cell, its mode or a constant is not modelled.
+    """
+    before, kept = netlist(TOP, config, {}, {}).with_name("netlist.json"), FLOORPLANS / f"{config}.json"
+    folder = NETLISTS / f"{TOP}-routed-{digest([str(SEED)], [before, kept, *PLACERS])[:16]}"
+    written, fresh = folder / "written.json", folder / "fresh.json"
+    with locked(folder):
+        if not written.exists():
+            shutil.copy(before, folder / "netlist.json")
+            constrain(folder / "netlist.json", kept)
+            route(folder, SEED, True, fresh)
+            fresh.rename(written)
+    module = flat(json.loads(written.read_text()))
+    nets, wires = check(module)
+    print(f"routes: {nets} nets on {wires} wires connect what the netlist connects", flush=True)
+    return folder, restored(closed_module(module), flat(json.loads(before.read_text())))
+
+
+def _routed_verilog(config: str) -> tuple[Path, int]:
+    """The routed netlist as SystemVerilog, and its number of cells."""
+    folder, module = routed(config)
+    made, source = folder / "netlist.sv", folder / "closed.json"
+    text = json.dumps({"modules": {TOP: {**module, "netnames": {}}}})  # its names are not needed here, and many
+    with locked(folder):
+        if not made.exists() or not source.exists() or source.read_text() != text:
+            source.write_text(text)
+            to_verilog(source, folder / "netlist.v")
+            shutil.copy(folder / "netlist.v", made)
+    return made, len(module["cells"])
+
+
 def cells(made: Path) -> int:
     """Number of cells of a netlist."""
     stat = json.loads(made.with_name("cells.json").read_text())
@@ -93,11 +144,16 @@ def cells(made: Path) -> int:
 
 def files(top: str, config: str, parameters: Mapping[str, int], defines: Mapping[str, str]) -> list[Path]:
     """What to build instead of the RTL of `top`: models of cells, and the netlist."""
-    made = netlist(top, config, parameters, defines)
+    if os.environ.get("SIGNUM_GATES") == "routed":
+        assert top == TOP and not parameters and not defines, "only the board is placed and routed"
+        made, number = _routed_verilog(config)
+    else:
+        made = netlist(top, config, parameters, defines)
+        number = cells(made)
     quiet = made.with_name("quiet.vlt")
     # A vector of the netlist is no loop where its bits depend on one another in one direction.
     quiet.write_text("`verilator_config\n" + "".join(
         f'lint_off -file "{name}"\nlint_off -rule UNOPTFLAT -file "{name}"\n'
         for name in ("*/netlist.sv", "*/synth/*.sv")))
-    print(f"gates: {cells(made)} cells, {made.parent.relative_to(ROOT)}", flush=True)
-    return [quiet, CELL_MODELS, GATE_MODELS, made]
+    print(f"gates: {number} cells, {made.parent.relative_to(ROOT)}", flush=True)
+    return [quiet, CELL_MODELS, GATE_MODELS, ROUTED_MODELS, made]

@@ -3,8 +3,9 @@
 
 For Icarus, which needs hours for tens of thousands of instances, or of nets in one scope, which it searches for every
 use of a net. So nets are words of one array, `n` with their number in the netlist, and cells lie in blocks of CHUNK.
-The expressions are those of the models in `sim/synth/gates.sv`, with the cells' constants in place: unknown values
-spread as there. Memories and multipliers stay instances. Bits of input ports keep their names.
+The cells are those that Yosys makes, or those that nextpnr packs them into (`sim.gates.routed`). The expressions are
+those of the models in `sim/synth/gates.sv` and `routed.sv`, with the cells' constants in place: unknown values spread
+as there. Memories and multipliers stay instances. Bits of input ports keep their names.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ Cell = Mapping[str, Any]
 Namer = Callable[[Any], str]
 """Verilog for a bit of the netlist: a number, or a constant."""
 INSTANCES = ("DP16KD", "MULT18X18D", "TRELLIS_DPR16X4", "DCCA")
+RAMW = {"WADO0": "D0", "WADO1": "B0", "WADO2": "C0", "WADO3": "A0",
+        "WDO0": "C1", "WDO1": "A1", "WDO2": "D1", "WDO3": "B1"}
+"""Which input of TRELLIS_RAMW each of its outputs is."""
 CHUNK = 100
 """Cells of one block."""
 
@@ -38,7 +42,8 @@ def lut(init: int, inputs: tuple[str, ...]) -> str:
     return f"({inputs[-1]} ? {lut(high, inputs[:-1])} : {lut(low, inputs[:-1])})"
 
 
-def _value(cell: Cell, name: str, default: str = "") -> str:
+def value(cell: Cell, name: str, default: str = "") -> str:
+    """A parameter's value as text: a space after binary digits, which marks them as text, is no part of it."""
     return str(cell["parameters"].get(name, default)).strip()
 
 
@@ -53,27 +58,60 @@ def register(number: int, cell: Cell, net: Namer) -> str:
     Raises:
         ValueError: if it is in a mode that `gates.sv` does not model.
     """
-    if (_value(cell, "SRMODE", "LSR_OVER_CE") == "ASYNC" or _value(cell, "CLKMUX", "CLK") != "CLK"
-            or _value(cell, "LSRMODE", "LSR") != "LSR"):
+    if (value(cell, "SRMODE", "LSR_OVER_CE") == "ASYNC" or value(cell, "CLKMUX", "CLK") != "CLK"
+            or value(cell, "LSRMODE", "LSR") != "LSR"):
         raise ValueError(f"register in a mode that is not modelled: {cell['parameters']}")
     pins = _pins(cell, net)
 
     def control(pin: str, mux: str, absent: str) -> str:
-        value = pins.get(pin, absent)
-        return {"0": "1'b0", "1": "1'b1", "INV": f"~{value}"}.get(_value(cell, mux), value)
+        driver = pins.get(pin, absent)
+        return {"0": "1'b0", "1": "1'b1", "INV": f"~{driver}"}.get(value(cell, mux), driver)
 
     q = f"q{number}"
     enable, reset = control("CE", "CEMUX", "1'b1"), control("LSR", "LSRMUX", "1'b0")
-    value, kept = f"1'b{int(_value(cell, 'REGSET', 'RESET') == 'SET')}", q
-    data = pins["M"] if _value(cell, "SD", "1") == "0" else pins["DI"]
-    if _value(cell, "SRMODE", "LSR_OVER_CE") == "LSR_OVER_CE":
+    start, kept = f"1'b{int(value(cell, 'REGSET', 'RESET') == 'SET')}", q
+    data = pins["M"] if value(cell, "SD", "1") == "0" else pins["DI"]
+    if value(cell, "SRMODE", "LSR_OVER_CE") == "LSR_OVER_CE":
         inner = data if enable == "1'b1" else f"{enable} ? {data} : {kept}"
-        return f"{q} <= {inner if reset == _NEVER else f'{reset} ? {value} : {inner}'};"
-    inner = data if reset == _NEVER else f"({reset} ? {value} : {data})"
+        return f"{q} <= {inner if reset == _NEVER else f'{reset} ? {start} : {inner}'};"
+    inner = data if reset == _NEVER else f"({reset} ? {start} : {data})"
     return f"{q} <= {inner if enable == _ALWAYS else f'{enable} ? {inner} : {kept}'};"
 
 
 _NEVER, _ALWAYS = "1'b0", "1'b1"
+
+
+def _carry(name: str, half: tuple[str, str, tuple[str, ...]], carry: str, total: str) -> Iterator[str]:
+    """Half of a carry cell: table, `YES` if apart from the carry, inputs; `carry` comes in, carry`name` goes out."""
+    init, apart, inputs = int(half[0], 2), half[1] == "YES", half[2]
+    low = "1'b0" if apart else lut(init & 15, inputs[:2])
+    yield f"wire whole{name} = {lut(init, inputs)};"
+    if total:
+        yield f"assign {total} = whole{name}{'' if apart else f' ^ {carry}'};"
+    yield f"wire carry{name} = whole{name} ? {carry} : {low};"
+
+
+def _half_slice(number: int, cell: Cell, pins: Mapping[str, str]) -> Iterator[str]:
+    """A look-up table as nextpnr packs it, but for those that are memories."""
+    inputs = tuple(pins[pin] for pin in "ABCD")
+    sum_ = f"f{number}"
+    yield f"wire {sum_};"
+    if value(cell, "MODE") == "CCU2":
+        yield from _carry(f"{number}", (value(cell, "INITVAL"), value(cell, "CCU2_INJECT1"), inputs), pins["FCI"], sum_)
+        if "FCO" in pins:
+            yield f"assign {pins['FCO']} = carry{number};"
+    else:
+        yield f"assign {sum_} = {lut(int(value(cell, 'INITVAL'), 2), inputs)};"
+    if "F" in pins:
+        yield f"assign {pins['F']} = {sum_};"
+    if "OFX" in pins:
+        low, high = (sum_, pins["F1"]) if value(cell, "MUX") == "F1" else (pins["FXA"], pins["FXB"])
+        yield f"assign {pins['OFX']} = {pins['M']} ? {high} : {low};"
+
+
+def stays(cell: Cell) -> bool:
+    """Whether a cell stays an instance of its model."""
+    return cell["type"] in INSTANCES or (cell["type"] == "TRELLIS_COMB" and value(cell, "MODE") == "DPRAM")
 
 
 def logic(number: int, cell: Cell, net: Namer) -> Iterator[str]:
@@ -82,7 +120,7 @@ def logic(number: int, cell: Cell, net: Namer) -> Iterator[str]:
     kind = cell["type"]
     if kind == "LUT4":
         inputs = tuple(pins[pin] for pin in "ABCD")
-        yield f"assign {pins['Z']} = {lut(int(_value(cell, 'INIT'), 2), inputs)};"
+        yield f"assign {pins['Z']} = {lut(int(value(cell, 'INIT'), 2), inputs)};"
     elif kind == "PFUMX":
         yield f"assign {pins['Z']} = {pins['C0']} ? {pins['ALUT']} : {pins['BLUT']};"
     elif kind == "L6MUX21":
@@ -90,16 +128,19 @@ def logic(number: int, cell: Cell, net: Namer) -> Iterator[str]:
     elif kind == "CCU2C":
         carry = pins["CIN"]
         for k in range(2):
-            init, apart = int(_value(cell, f"INIT{k}"), 2), _value(cell, f"INJECT1_{k}") == "YES"
-            whole = lut(init, tuple(pins[f"{pin}{k}"] for pin in "ABCD"))
-            low = "1'b0" if apart else lut(init & 15, tuple(pins[f"{pin}{k}"] for pin in "AB"))
-            yield f"wire whole{number}_{k} = {whole};"
-            if f"S{k}" in pins:
-                yield f"assign {pins[f'S{k}']} = whole{number}_{k}{'' if apart else f' ^ {carry}'};"
-            yield f"wire carry{number}_{k} = whole{number}_{k} ? {carry} : {low};"
+            half = (value(cell, f"INIT{k}"), value(cell, f"INJECT1_{k}"), tuple(pins[f"{pin}{k}"] for pin in "ABCD"))
+            yield from _carry(f"{number}_{k}", half, carry, pins.get(f"S{k}", ""))
             carry = f"carry{number}_{k}"
         if "COUT" in pins:
             yield f"assign {pins['COUT']} = {carry};"
+    elif kind == "TRELLIS_COMB":
+        yield from _half_slice(number, cell, pins)
+    elif kind == "TRELLIS_RAMW":
+        for sink, source in RAMW.items():
+            if sink in pins:
+                yield f"assign {pins[sink]} = {pins[source]};"
+    elif kind in ("TRELLIS_IO_INPUT", "TRELLIS_IO_OUTPUT"):
+        yield f"assign {pins['O']} = {pins['B']};" if kind.endswith("INPUT") else f"assign {pins['B']} = {pins['I']};"
     else:
         raise ValueError(f"cell {kind} is not modelled")
 
@@ -151,7 +192,7 @@ def verilog(name: str, module: Mapping[str, Any]) -> str:
     for first in range(0, len(others), CHUNK):
         lines.append(f"if (1) begin : logic{first}")
         for number, cell in others[first:first + CHUNK]:
-            lines += [instance(number, cell, net)] if cell["type"] in INSTANCES else logic(number, cell, net)
+            lines += [instance(number, cell, net)] if stays(cell) else logic(number, cell, net)
         lines.append("end")
     for first in range(0, len(registers), CHUNK):
         here = list(enumerate(registers[first:first + CHUNK]))

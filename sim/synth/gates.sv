@@ -64,12 +64,14 @@ module TRELLIS_FF #(
     parameter LSRONMUX = "LSRMUX",
     parameter SRMODE = "LSR_OVER_CE",
     parameter REGSET = "RESET",
-    parameter LSRMODE = "LSR"
+    parameter LSRMODE = "LSR",
+    parameter SD = "1"      // "0": the data come through M, as nextpnr lets them that do not come from the slice's own table
 ) (
     input  logic CLK, LSR, CE, DI, M,
     output logic Q
 );
-  logic enable, set;
+  logic data, enable, set;
+  assign data   = (SD == "0") ? M : DI;
   assign enable = (CEMUX == "1") ? 1'b1 : (CEMUX == "0") ? 1'b0 : (CEMUX == "INV") ? !CE : CE;
   assign set    = (LSRMUX == "0") ? 1'b0 : (LSRMUX == "INV") ? !LSR : LSR;
 
@@ -79,9 +81,9 @@ module TRELLIS_FF #(
 `endif
   end
   if (SRMODE == "LSR_OVER_CE") begin : g_over
-    always_ff @(posedge CLK) Q <= set ? (REGSET == "SET") : enable ? DI : Q;
+    always_ff @(posedge CLK) Q <= set ? (REGSET == "SET") : enable ? data : Q;
   end else begin : g_under
-    always_ff @(posedge CLK) Q <= enable ? (set ? (REGSET == "SET") : DI) : Q;
+    always_ff @(posedge CLK) Q <= enable ? (set ? (REGSET == "SET") : data) : Q;
   end
 endmodule : TRELLIS_FF
 

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from sim.synth.floorplan import SITES
+from sim.synth.netlist import flat
 from sim.synth.tools import run_tool
 
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
@@ -48,13 +50,34 @@ def place(folder: Path, seed: int, pins: bool) -> Path:
     return placed
 
 
-def route(folder: Path, seed: int, pins: bool) -> dict[str, Any]:
-    """Place and route the netlist in `folder`; returns nextpnr's report."""
+def pinned(design: Any) -> None:
+    """Make nextpnr place the cells of a placed netlist again, where they are, and keep the blocks' open pins.
+
+    The router lets the inputs of look-up tables change places, and the tables follow; but a memory's inputs must not,
+    and a carry cell's only in pairs. nextpnr notes which rule holds where it places a cell. With cells that it reads
+    with their places it does not know the kind of a cell yet, and would let the inputs of memories and carry cells
+    change places at will. It also drops open pins that it reads, but needs those of multipliers to place them, and
+    those of block RAMs for their constants.
+
+    Args:
+        design: the netlist, which is changed.
+    """
+    for cell in flat(design)["cells"].values():
+        cell["attributes"]["BEL"] = cell["attributes"].pop("NEXTPNR_BEL")
+        if cell["type"] in SITES:
+            cell["connections"] = {pin: bits or ["x"] for pin, bits in cell["connections"].items()}
+
+
+def route(folder: Path, seed: int, pins: bool, written: Path | None = None) -> dict[str, Any]:
+    """Place and route the netlist in `folder`; returns nextpnr's report, and writes what it made to `written`."""
     report = folder / f"seed{seed}.json"
     placed = place(folder, seed, pins)
-    settings = "".join(f'"{name}": "{value}",' for name, value in ROUTER_SETTINGS.items())
-    placed.write_text(placed.read_text().replace('"settings": {', f'"settings": {{ {settings}', 1))
-    args = ("--json", placed, "--no-pack", "--no-place", "--report", report)
+    design = json.loads(placed.read_text())
+    pinned(design)
+    flat(design)["settings"].update(ROUTER_SETTINGS)
+    placed.write_text(json.dumps(design))
+    args = ("--json", placed, "--no-pack", "--report", report,
+            *(("--write", written) if written else ()))
     log = folder / f"seed{seed}.log"
     for mhz in TARGETS_MHZ:
         if _nextpnr(log, pins, mhz, *args, RIPUP, patience=PATIENCE):

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FLOORS = ("common", "boards", "tables", "frames", "geometry", "measure", "world", "sources", "report", "applications",
           "reproduce", "demo", "commands")
 """Rooms of `sw/signum` from the ground up; a room may import those before it."""
-ROOMS = {"array", "cells", "control", "correlator", "frontend", "peak", "store"}
+ROOMS = {"array", "dense", "cells", "control", "correlator", "frontend", "peak", "store"}
 """Rooms of the RTL, of its cycle models and of their cocotb checks."""
 ALLOWED = {
     "main": "the entry point of a module that is run",

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // slog_peak_intake against a plain count: each row taken gets its scores, area less mismatch, in columns 0 .. last_x, in
 // the next bank; rows are taken only while a bank is free.
+//
+// For the induction the counts are compared with the module's own: its row data and its bank follow a row by one clock,
+// its column follows a score by one.
 module slog_rules_peak_intake
   import slog_pkg::*, slog_peak_pkg::*;
 #(
@@ -29,7 +32,26 @@ module slog_rules_peak_intake
     input logic                 surf_valid_o,
     input logic                 surf_first_o,
     input logic                 surf_last_o,
-    input logic                 surf_ok_i
+    input logic                 surf_ok_i,
+    input logic                 run_q,
+    input logic                 go_q,
+    input logic                 open_q,
+    input logic                 surface_q,
+    input logic                 take_q,
+    input logic                 s1_valid_q,
+    input logic                 s1_last_q,
+    input logic [ScoreBits-1:0] s1_mismatch_q,
+    input logic                 begin_q,
+    input logic                 first_row_q,
+    input logic                 last_row_q,
+    input logic                 surface_row_q,
+    input logic [ScoreW-1:0]    area_q,
+    input logic [$bits(scoring_t)+1:0] past_row,
+    // The module's own counts.
+    input logic [9:0]           own_left,
+    input logic [9:0]           own_x,
+    input logic [Banks-1:0]     own_bank,
+    input logic [$clog2(Banks+1)-1:0] own_used
 );
   typedef struct packed {
     logic                     valid;
@@ -100,6 +122,21 @@ module slog_rules_peak_intake
       RulesPeakIntakeScore : assert (!score_valid_o || ({score_first_o, score_last_o, score_x_o, score_o}
           == {wanted_q[1].first, wanted_q[1].last, wanted_q[1].x, wanted_q[1].score} && bank_o == Banks'(1) << wanted_q[1].bank));
       RulesPeakIntakeMarks : assert (!surf_valid_o || {surf_first_o, surf_last_o} == {wanted_q[1].surf_first, wanted_q[1].surf_last});
+      RulesPeakIntakeOpen : assert (!open_q || (there_q && 32'(used_q) < Banks));
+      RulesPeakIntakeUsed : assert (taken_q == take_q && used_q == 3'(own_used) + 3'(take_q));
+      RulesPeakIntakeRun : assert (run_q == (left_q != '0) && (!run_q || left_q == 11'(own_left) + 11'd1));
+      RulesPeakIntakeGo : assert (!go_q || (run_q && (!surface_q || ok_q)));
+      RulesPeakIntakeOfRow : assert (!run_q || (surface_q == row_q.scoring.surface
+                                                && 11'(x_q) + left_q == 11'(row_q.last_x) + 11'd1));
+      RulesPeakIntakeEnter : assert (!take_q || (x_q == '0 && past_row == {row_q.first, row_q.last, row_q.scoring}));
+      RulesPeakIntakeBanks : assert (own_bank == Banks'(1) << (bank_q - $clog2(Banks)'(take_q)));
+      RulesPeakIntakeRow : assert (take_q || !run_q || (x_q == own_x + 10'(s1_valid_q) && {first_row_q, last_row_q,
+          surface_row_q, area_q} == {row_q.first, row_q.last, row_q.scoring.surface, row_q.scoring.area}));
+      RulesPeakIntakeFirst : assert (!(s1_valid_q || (run_q && !take_q)) || begin_q == (own_x == '0));
+      RulesPeakIntakeStage : assert (s1_valid_q == wanted_q[0].valid && (!s1_valid_q || wanted_q[0] == wanted_t'{valid: 1'b1,
+          surface: surface_row_q, first: begin_q, last: s1_last_q, surf_first: begin_q && first_row_q,
+          surf_last: s1_last_q && last_row_q, x: own_x, score: area_q - ScoreW'(s1_mismatch_q),
+          bank: bank_q - $clog2(Banks)'(take_q)}));
       CoverFollows : cover (wanted_q[0].valid && wanted_q[1].valid && wanted_q[1].last && wanted_q[0].first && !wanted_q[0].last);
       CoverFull : cover (32'(used_q) == Banks && there_q);
       CoverRefused : cover (row_taken_o && row_refused_i && pop);
@@ -108,4 +145,5 @@ module slog_rules_peak_intake
   end
 endmodule : slog_rules_peak_intake
 
-bind slog_peak_intake slog_rules_peak_intake #(.ScoreBits(ScoreBits), .Banks(Banks)) u_rules (.*);
+bind slog_peak_intake slog_rules_peak_intake #(.ScoreBits(ScoreBits), .Banks(Banks)) u_rules (
+    .own_left(left_q), .own_x(x_q), .own_bank(bank_q), .own_used(used_q), .*);

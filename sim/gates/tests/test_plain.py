@@ -121,4 +121,4 @@ def test_icarus_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without Icarus one line says what to install, before anything is synthesised."""
     monkeypatch.setattr(shutil, "which", lambda name: None)
     with pytest.raises(SystemExit, match="apt-get install iverilog"):
-        main()
+        main([])

@@ -14,6 +14,7 @@ import typer
 
 from signum.applications.mosaic.accuracy import accuracy_rows, pose_errors
 from signum.applications.mosaic.journal import SurveyRun
+from signum.applications.mosaic.recorded import BATCH, RecordedSurvey, check_batch
 from signum.applications.mosaic.settings import CURVED, SurveySettings
 from signum.applications.mosaic.shelf import find_survey, has_journal, read_record, survey_files
 from signum.applications.mosaic.survey import Survey
@@ -21,6 +22,7 @@ from signum.applications.mosaic.track import TimedTrack, Track
 from signum.applications.mosaic.track_reader import read_track
 from signum.applications.mosaic.ways import WAYS
 from signum.commands.app import command
+from signum.commands.crew import BatchOptions
 from signum.commands.ground import GroundOptions
 from signum.commands.options import SOURCE, BoardOptions, CalibrationOption, OutOption
 from signum.commands.outputs import PAGE, move_aside, page_trouble
@@ -48,6 +50,7 @@ class TrackKind(StrEnum):
 
 
 GROUND_DEFAULTS = GroundOptions()
+BATCH_DEFAULTS = BatchOptions()
 
 
 @command()
@@ -58,6 +61,7 @@ def mosaic(
     output: OutOption = Path("out/mosaic"),
     board: BoardOptions = BOARD_DEFAULTS,
     ground: GroundOptions = GROUND_DEFAULTS,
+    batch: BatchOptions = BATCH_DEFAULTS,
     columns: Annotated[TrackKind, typer.Option(
         "--columns", help="auto: any track, all neighbours linked and placed by least squares; single: each frame "
         "against the one before only; turned: as auto, for a camera turned in place, whose distorted loops are closed.")
@@ -72,6 +76,8 @@ def mosaic(
     rate: Annotated[float | None, typer.Option(
         "--rate", rich_help_panel=SOURCE, min=0.001, max=1000.0, help="Frames per second of a source whose frames have "
         "no times, for a --navigation log by time.", show_default=False)] = None,
+    water: Annotated[bool, typer.Option("--water/--no-water", help="Take the tint of the water out of the mosaic of "
+                                        "colour pictures: grey on average, and bright.")] = False,
     live: Annotated[bool, typer.Option("--live/--no-live", help="Write mosaic.png every few seconds as it grows.")
                     ] = True,
 ) -> None:
@@ -88,14 +94,20 @@ def mosaic(
         if isinstance(place.log, TimedTrack) and run.first.time_s is None:
             raise SignumError(f"{ground.navigation}: is by time, and {run.source.label} has frames without times: give "
                               "their --rate, or a log by frame")
+        if batch.wanted:
+            check_batch(not run.source.snapshots, run.live, run.source.label)
         asked = SurveyRun(run.name, run.fit.source, not run.source.snapshots, board.window, board.sigma,
-                          settings.columns, "" if calibration is None else str(real_path(calibration)))
+                          settings.columns, "" if calibration is None else str(real_path(calibration)),
+                          BATCH if batch.wanted else "")
         registrar = Registrar.on(run.measurer, run.fit, board.window, board.sigma)
         resumes = _resumes(resume, run, asked, [p for p in (calibration, truth, ground.navigation) if p is not None])
-        survey = Survey(registrar, output, asked.stream, settings, asked.source, resumes,
-                        LIVE_EVERY if live else float("inf"), asked.calibration)
+        crew = run.open(batch.crew(output, str(board.board), asked))
+        survey = (RecordedSurvey(registrar, output, settings, asked.source, resumes, asked.calibration, crew)
+                  if batch.wanted else
+                  Survey(registrar, output, asked.stream, settings, asked.source, resumes,
+                         LIVE_EVERY if live else float("inf"), asked.calibration))
         survey.results.ground = place.placing(lambda: survey.ledger.shelf.begun_s)
-        survey.results.cog = ground.cog
+        survey.results.cog, survey.results.water = ground.cog, water
         _grow(run, survey, known)
     if survey.results.trouble:
         raise SignumError(survey.results.trouble)

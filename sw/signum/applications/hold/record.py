@@ -2,13 +2,13 @@
 """Writes `hold.csv` row by row, and keeps what the report shows: a series and some frames with the reading drawn in.
 
 What is kept is bounded, however long the run: of a long one every second, fourth, ... frame of the series, a frame
-without a reading before its neighbours, and pictures farther apart.
+without a reading before its neighbours, and pictures farther apart. Its memory is taken with the first frame, so that a
+run that goes on for hours needs no more than it did in its first minute.
 """
 
 from __future__ import annotations
 
 import math
-from array import array
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -77,7 +77,9 @@ class HoldRecord:
     shots: list[tuple[str, Image]] = field(default_factory=list)
     count: int = 0
     valid: int = 0
-    _rows: array[float] = field(init=False, repr=False, default_factory=lambda: array("d"))
+    _rows: Floats = field(init=False, repr=False)
+    _filled: int = field(init=False, repr=False, default=0)
+    _slots: list[Image] = field(init=False, repr=False, default_factory=list)
     _worst: tuple[float, ...] | None = field(init=False, repr=False, default=None)
     _every: int = field(init=False, repr=False, default=1)
     _turns: list[bool] = field(init=False, repr=False, default_factory=list)
@@ -86,6 +88,7 @@ class HoldRecord:
     _next_shot: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
+        self._rows = np.full((MOST_ROWS, 10 if self.truth else 6), np.nan)
         self._table = Table(self.folder / "hold.csv", [*HOLD, *HOLD_TRUTH] if self.truth else HOLD)
 
     def add(self, name: str, time: float, reading: Reading, picture: Image, features: Floats,
@@ -109,10 +112,19 @@ class HoldRecord:
                 self._spread()
             if len(self.shots) < self.most:
                 why = "" if not turned else ", found again" if reading.valid else ", lost"
-                self.shots.append((f"{time:.1f} s{why}", draw_reading(picture, reading, features, window)))
+                drawn = self._keep_picture(draw_reading(picture, reading, features, window))
+                self.shots.append((f"{time:.1f} s{why}", drawn))
                 self._turns.append(turned)
             self._next_shot = max(self._next_shot, time + self.often) if not turned else self._next_shot
         self._was_valid = reading.valid
+
+    def _keep_picture(self, canvas: Image) -> Image:
+        """A copy in memory that is taken with the first picture for all of them."""
+        if not self._slots and not self.shots:
+            self._slots = list(np.full((self.most, *canvas.shape), 1, np.uint8))
+        slot = self._slots.pop()
+        slot[:] = canvas
+        return slot
 
     def _keep(self, row: tuple[float, ...]) -> None:
         """Take a row into the series: of each `_every` rows that of the least confidence."""
@@ -120,26 +132,28 @@ class HoldRecord:
             self._worst = row
         if self.count % self._every:
             return
-        self._rows.extend(self._worst)
+        self._rows[self._filled] = self._worst
+        self._filled += 1
         self._worst = None
-        if len(self._rows) >= MOST_ROWS * len(row):
-            pairs = np.array(self._rows).reshape(-1, 2, len(row))
-            kept = pairs[np.arange(len(pairs)), pairs[:, :, CONFIDENCE].argmin(1)]
-            self._rows = array("d", kept.tobytes())
+        if self._filled == MOST_ROWS:
+            pairs = self._rows.reshape(-1, 2, len(row))
+            self._filled //= 2
+            self._rows[:self._filled] = pairs[np.arange(len(pairs)), pairs[:, :, CONFIDENCE].argmin(1)]
             self._every *= 2
 
     def _spread(self) -> None:
         """Drop every second picture that was taken for the time alone, the first aside, and take them less often."""
         plain = [k for k, turned in enumerate(self._turns) if not turned]
         for k in reversed(plain[1::2]):
+            self._slots.append(self.shots[k][1])
             del self.shots[k], self._turns[k]
         self.often *= 2
 
     @property
     def series(self) -> Floats:
         """(n, 6) time, forward, right, heading, range, confidence; (n, 10) with the four of the truth after them."""
-        rows = [*self._rows, *(self._worst or ())]
-        return np.array(rows, np.float64).reshape(-1, 10 if self.truth else 6)
+        rows = self._rows[:self._filled]
+        return np.vstack([rows, self._worst]) if self._worst else rows.copy()
 
     def close(self) -> None:
         """Close the table."""

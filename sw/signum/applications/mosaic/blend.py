@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One picture from many: frames warped into the mosaic plane, exposure evened out, seams found, bands blended.
+"""One picture from many: frames warped into the mosaic plane, their light evened out, one chosen for each place.
 
-Pictures are read twice or more, so a sequence that loads them when asked for keeps a large survey's frames out of
-memory: exposure and seams are worked out on small copies, and the bands are blended block by block of the mosaic.
+Every place is shown by one frame, as sharp as it is: at a seam the detail changes within a pixel, and only what is
+coarser goes over smoothly. Pictures are read twice or more, so a sequence that loads them when asked for keeps a large
+survey's frames out of memory: light and seams are worked out on small copies, and the picture is made block by block.
+See `photometry` for the light, `seams` for the choice.
 """
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -14,22 +17,29 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from signum.applications.mosaic.photometry import fit_light, shrink
+from signum.applications.mosaic.seams import ALONE, Layer, Seams, grid_scale, lay
 from signum.common.arrays import Floats, Image
-from signum.geometry.similarity import Similarity, corners
+from signum.geometry.similarity import IDENTITY, Similarity, corners
 
 MOST_PIXELS = 100_000_000
 """Most pixels of a mosaic; a larger one is made at a smaller scale."""
-SEAM_PIXELS, ALL_SEAM_PIXELS = 100_000, 24_000_000
-"""Most pixels of a frame scaled to find seams, and of all frames together."""
-LOCAL_GAINS = 24
-"""Most frames whose exposure is compensated in blocks from their overlaps, as the cost grows steeply with the number of
-frames. With more frames their mean brightness pattern, the light cone, is divided out instead."""
-BLOCK, MARGIN = 4096, 128
-"""Side of the blocks blended at a time, and the margin over which the bands extend, pixels of the mosaic."""
-BANDS = 4
-"""Bands of the blender."""
-RIM = 2
+SEAM_PIXELS = 20_000
+"""About how many pixels the small copy of a frame has that seams are found on."""
+COPIES_BYTES = 64_000_000
+"""Memory for the small copies; those of a larger survey are made again when they are needed."""
+BLOCK = 1536
+"""Side of the blocks blended at a time, pixels of the mosaic."""
+FINE = 3.0
+"""Detail finer than a Gaussian of this width, pixels of the mosaic, changes from frame to frame within a pixel."""
+FEATHER, AROUND = 4.0, 12
+"""What is coarser goes over as smoothly as a Gaussian of this width, pixels of the seams' grid; what is looked at
+beside a block and a frame's part for that."""
+RIM = 3
 """Pixels left out along the frames' edges, where cameras and scanners leave marks."""
+STRONGEST, BRIGHT = 4.0, 200.0
+"""Most by which a colour, and the whole, is raised to take the water's tint away; the grey level that the brightest
+hundredth then reaches."""
 
 Told = Callable[[str], None]
 """Gets a phrase for each picture that is done, in each part of the work."""
@@ -57,7 +67,7 @@ class Mosaic:
 
 
 def compose(pictures: Sequence[Image], places: Sequence[Similarity], most_pixels: int = MOST_PIXELS,
-            block: int = BLOCK, told: Told = silent) -> Mosaic:
+            block: int = BLOCK, told: Told = silent, water: bool = False) -> Mosaic:
     """Blend pictures.
 
     Args:
@@ -66,25 +76,18 @@ def compose(pictures: Sequence[Image], places: Sequence[Similarity], most_pixels
         most_pixels: of the mosaic.
         block: side of what is blended at a time, pixels.
         told: called as the work goes on.
+        water: whether to take the tint of the water out of colour pictures: the mosaic is grey on average, and bright.
     """
-    sizes, grey = [], True
-    for picture in pictures:
-        sizes.append((picture.shape[1], picture.shape[0]))
-        grey = grey and picture.ndim == 2
-    low, high = bounds(sizes, places)
-    extent = high - low + 1
-    scale = min(1.0, float(np.sqrt(most_pixels / (extent[0] * extent[1]))))
-    view = Similarity(complex(scale), -scale * complex(low[0], low[1]))
-    matched = _match(pictures, [view @ place for place in places], told)
-    width, height = (int(v) for v in np.ceil(extent * scale))
-    out = np.zeros((height, width) if grey else (height, width, 3), np.uint8)
+    plan = Composition(pictures, places, most_pixels, told, water)
+    width, height = plan.size
+    out = np.zeros((height, width) if plan.grey else (height, width, 3), np.uint8)
     for top in range(0, height, block):
         for left in range(0, width, block):
             box = left, top, min(left + block, width), min(top + block, height)
-            part = _blend(pictures, matched, box, told)
+            part = plan.block(box)
             if part is not None:
-                out[box[1]:box[3], box[0]:box[2]] = part[:, :, 0] if grey else part
-    return Mosaic(out, (float(low[0]), float(low[1])), scale)
+                out[box[1]:box[3], box[0]:box[2]] = part
+    return Mosaic(out, plan.origin, plan.scale)
 
 
 def bounds(sizes: Sequence[tuple[int, int]], places: Sequence[Similarity]) -> tuple[Floats, Floats]:
@@ -121,155 +124,190 @@ def sketch(thumbs: Sequence[Image], places: Sequence[Similarity], size: tuple[in
     return canvas
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What a frame contributes to a block.
+
+    Attributes:
+        here: rows and columns of the block.
+        tile: the frame's picture there, its light evened out.
+        shown: where its detail is shown.
+        share: its weight in what is coarser, 0..1.
+    """
+
+    here: tuple[slice, slice]
+    tile: Image
+    shown: NDArray[np.bool_]
+    share: NDArray[np.float32]
+
+
+class Composition:
+    """A mosaic whose parts are made when they are asked for; arguments as `compose`.
+
+    Attributes:
+        size: width and height of the mosaic, pixels.
+        origin, scale: as those of `Mosaic`.
+        grey: whether all pictures are.
+    """
+
+    def __init__(self, pictures: Sequence[Image], places: Sequence[Similarity], most_pixels: int = MOST_PIXELS,
+                 told: Told = silent, water: bool = False) -> None:
+        self._pictures, self._told = pictures, told
+        self._copies: OrderedDict[int, Image] = OrderedDict()
+        self._sizes, thumbs, self.grey = [], [], True
+        for number, picture in enumerate(pictures):
+            self._sizes.append((picture.shape[1], picture.shape[0]))
+            self.grey = self.grey and picture.ndim == 2
+            thumbs.append(shrink(self._keep(number, picture)))
+            told("light")
+        low, high = bounds(self._sizes, places)
+        extent = high - low + 1
+        self.scale = min(1.0, float(np.sqrt(most_pixels / (extent[0] * extent[1]))))
+        self.size = int(np.ceil(extent[0] * self.scale)), int(np.ceil(extent[1] * self.scale))
+        self.origin = float(low[0]), float(low[1])
+        view = Similarity(complex(self.scale), -self.scale * complex(*self.origin))
+        self._places = [view @ place for place in places]
+        boxes = [bounds([size], [place]) for size, place in zip(self._sizes, self._places, strict=True)]
+        self._boxes = np.array([[*a, *(b + 1)] for a, b in boxes])
+        thumbs = thumbs if self.grey else [_coloured(thumb) for thumb in thumbs]
+        self._light = fit_light(thumbs, self._sizes, places)
+        self._clearing = _clearing(thumbs) if water and not self.grey else np.ones(1)
+        told("seams")
+        self._grid = grid_scale(self._sizes, self._places[0].scale, SEAM_PIXELS)
+        self._seams = Seams(self._layers)
+
+    def block(self, box: Box) -> Image | None:
+        """A part of the mosaic, uint8 (h, w) or (h, w, 3), black where no frame is; None where no picture reaches."""
+        grid = self._grid
+        cut = [n // grid - AROUND for n in box[:2]] + [-(-n // grid) + AROUND for n in box[2:]]
+        if not len(self._within([grid * n for n in cut])):
+            return None
+        shape = grid * (cut[3] - cut[1]), grid * (cut[2] - cut[0])
+        channels = () if self.grey else (3,)
+        detail, coarse = (np.zeros((*shape, *channels), np.float32) for _ in range(2))
+        weight, covered = np.zeros(shape, np.float32), np.zeros(shape, bool)
+        for part in self._parts(cut):
+            here = part.here
+            smooth = np.asarray(cv2.GaussianBlur(part.tile, (0, 0), FINE, borderType=cv2.BORDER_REPLICATE))
+            cv2.copyTo(np.asarray(cv2.subtract(part.tile, smooth, dtype=cv2.CV_32F)), part.shown.astype(np.uint8),
+                       detail[here])
+            coarse[here] += smooth * _like(part.share, smooth)
+            weight[here] += part.share
+            covered[here] |= part.shown
+            self._told("blending")
+        left, top = box[0] - grid * cut[0], box[1] - grid * cut[1]
+        inner = np.s_[top:top + box[3] - box[1], left:left + box[2] - box[0]]
+        whole = detail[inner] + coarse[inner] / _like(np.maximum(weight[inner], 1e-6), coarse)
+        out = np.asarray(cv2.convertScaleAbs(np.maximum(whole, 0)), np.uint8)
+        out[~covered[inner]] = 0
+        return out
+
+    def _within(self, box: Sequence[float]) -> NDArray[np.intp]:
+        """Numbers of the frames that reach into a box of the mosaic."""
+        b = self._boxes
+        return np.flatnonzero((b[:, 0] < box[2]) & (b[:, 1] < box[3]) & (b[:, 2] > box[0]) & (b[:, 3] > box[1]))
+
+    def _keep(self, number: int, picture: Image) -> Image:
+        """Make the small copy of a picture, and keep it while there is room."""
+        less = min(1.0, float(np.sqrt(SEAM_PIXELS / (picture.shape[0] * picture.shape[1]))))
+        size = [max(8, round(n * less)) for n in picture.shape[1::-1]]
+        copy = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+        self._copies[number] = copy
+        while len(self._copies) * copy.nbytes > COPIES_BYTES:
+            self._copies.popitem(last=False)
+        return copy
+
+    def _copy(self, number: int) -> Image:
+        """The small copy of a picture, made again where it was not kept."""
+        if number not in self._copies:
+            return self._keep(number, self._pictures[number])
+        self._copies.move_to_end(number)
+        return self._copies[number]
+
+    def _lit(self, number: int, picture: Image, clearing: Floats) -> Image:
+        """A picture, or its small copy, with its light evened out and its colours multiplied by `clearing`, (channels,)
+        or (1,); in colour unless all are grey."""
+        picture = picture if self.grey else _coloured(picture)
+        factor = (self._light.factor(number, self._sizes[number][::-1]) * clearing).astype(np.float32)
+        factor = np.asarray(cv2.resize(factor, picture.shape[1::-1], interpolation=cv2.INTER_CUBIC))
+        return np.asarray(cv2.convertScaleAbs(cv2.multiply(picture, factor, dtype=cv2.CV_32F)), np.uint8)
+
+    def _layers(self, spot: tuple[int, int], shape: tuple[int, int]) -> list[Layer]:
+        """The frames on a tile of the grid."""
+        g = self._grid
+        onto = Similarity(complex(1 / g), complex(*(0.5 / g - 0.5,) * 2))
+        box = spot[0] * g, spot[1] * g, (spot[0] + shape[1]) * g, (spot[1] + shape[0]) * g
+        layers = [lay(n, self._lit(n, self._copy(n), np.ones(1)), self._sizes[n], onto @ self._places[n], spot, shape,
+                      RIM) for n in self._within(box).tolist()]
+        return [layer for layer in layers if np.isfinite(layer.cost).any()]
+
+    def _parts(self, cut: Sequence[int]) -> Iterator[_Part]:
+        """What each frame contributes to a box of the grid."""
+        grid = self._grid
+        labels = self._seams.over(cut[0], cut[1], cut[2], cut[3])
+        for number in self._within([grid * n for n in cut]).tolist():
+            reach = np.concatenate([self._boxes[number, :2] // grid, -(-self._boxes[number, 2:] // grid)]).astype(int)
+            low, high = np.maximum(reach[:2] - cut[:2], 0), np.minimum(reach[2:], cut[2:]) - cut[:2]
+            near = labels[low[1]:high[1], low[0]:high[0]]
+            rows, columns = (np.flatnonzero(((near == number) | (near == ALONE)).any(axis=k)) for k in (1, 0))
+            if not len(rows):
+                continue
+            top, bottom = max(low[1] + rows[0] - AROUND, 0), min(low[1] + rows[-1] + 1 + AROUND, labels.shape[0])
+            left, right = max(low[0] + columns[0] - AROUND, 0), min(low[0] + columns[-1] + 1 + AROUND, labels.shape[1])
+            own = labels[top:bottom, left:right]
+            own = (own == number) | (own == ALONE)
+            size = grid * int(right - left), grid * int(bottom - top)
+            spot = grid * int(cut[0] + left), grid * int(cut[1] + top)
+            tile, mask = _warped(self._lit(number, self._pictures[number], self._clearing), self._places[number], spot,
+                                 size)
+            shown = np.repeat(np.repeat(own, grid, 0), grid, 1) & (mask > 0)
+            if shown.any():
+                side = 2 * AROUND + 1
+                share = cv2.resize(cv2.GaussianBlur(own.astype(np.float32), (side, side), FEATHER), size,
+                                   interpolation=cv2.INTER_LINEAR)
+                here = slice(grid * top, grid * bottom), slice(grid * left, grid * right)
+                yield _Part(here, tile, shown, np.asarray(share * (mask > 0), np.float32))
+
+
+def _like(plane: NDArray[np.float32], picture: NDArray[np.generic]) -> NDArray[np.float32]:
+    """A plane (h, w) as one that goes with a picture, grey or colour."""
+    return plane if picture.ndim == 2 else plane[..., None]
+
+
 def _tile(picture: Image, place: Similarity) -> tuple[Image, Image, tuple[int, int]]:
-    """The picture warped, with its mask and the mosaic pixel of its corner."""
+    """A small copy warped whole, with its mask and the mosaic pixel of its corner."""
     framed = place(corners((picture.shape[1], picture.shape[0])))
     low = np.maximum(np.floor(framed.min(axis=0)), 0).astype(int)
     size = [max(1, int(v)) for v in np.ceil(framed.max(axis=0)).astype(int) - low + 1]
-    matrix = place.matrix - np.array([[0, 0, low[0]], [0, 0, low[1]]])
-    tile = cv2.warpAffine(picture, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    spot = int(low[0]), int(low[1])
+    return *_warped(picture, place, spot, (size[0], size[1]), 1), spot
+
+
+def _warped(picture: Image, place: Similarity, spot: tuple[int, int], size: tuple[int, int], rim: int = RIM,
+            ) -> tuple[Image, Image]:
+    """What a picture shows of a box of the mosaic, its corner at `spot`, and where: 255, else 0."""
+    onto = Similarity(shift=-complex(*spot)) @ place
+    source, less = picture, IDENTITY
+    if place.scale < 0.7:  # a warp alone would alias
+        size_less = [max(8, round(n * place.scale)) for n in picture.shape[1::-1]]
+        source = np.asarray(cv2.resize(picture, size_less, interpolation=cv2.INTER_AREA), np.uint8)
+        wider = picture.shape[1] / size_less[0]
+        less = Similarity(complex(wider), complex(*(wider / 2 - 0.5,) * 2))
+    tile = cv2.warpAffine(source, (onto @ less).matrix, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
     whole = np.zeros(picture.shape[:2], np.uint8)
-    whole[RIM:-RIM, RIM:-RIM] = 255
-    mask = cv2.warpAffine(whole, matrix, size, flags=cv2.INTER_NEAREST)
-    return np.asarray(tile, np.uint8), np.asarray(mask, np.uint8), (int(low[0]), int(low[1]))
+    whole[rim:-rim, rim:-rim] = 255
+    mask = cv2.warpAffine(whole, onto.matrix, size, flags=cv2.INTER_NEAREST)
+    return np.asarray(tile, np.uint8), np.asarray(mask, np.uint8)
 
 
 def _coloured(picture: Image) -> Image:
     return picture if picture.ndim == 3 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR), np.uint8)
 
 
-@dataclass(frozen=True, eq=False)
-class _Matched:
-    """How a picture enters the mosaic: its place there, its light, what of it is shown.
-
-    Attributes:
-        place: its pixels -> pixels of the mosaic.
-        box: where it lies.
-        seam: of its tile, at a smaller scale, 255 where it is shown.
-        even: evens out the tile's light, (tile, corner, mask) -> tile.
-    """
-
-    place: Similarity
-    box: Box
-    seam: Image
-    even: Callable[[Image, tuple[int, int], Image], Image]
-    light: NDArray[np.float32] | None
-
-    def tile(self, picture: Image) -> tuple[Image, Image, tuple[int, int]]:
-        """The picture as it enters the mosaic: tile, mask, corner."""
-        tile, mask, spot = _tile(_lit(_coloured(picture), self.light), self.place)
-        tile = self.even(tile, spot, mask)
-        wide = cv2.resize(self.seam, mask.shape[::-1], interpolation=cv2.INTER_LINEAR)
-        return tile, np.where(np.asarray(wide) > 127, mask, 0).astype(np.uint8), spot
-
-
-def _match(pictures: Sequence[Image], places: Sequence[Similarity], told: Told) -> list[_Matched]:
-    """Even out the exposure of the pictures and find the seams along which they differ least.
-
-    Both are worked out at a smaller scale. The gains are one number a picture, for exposure, then smooth maps, for the
-    light cone.
-    """
-    light = _common_light(pictures) if len(pictures) > LOCAL_GAINS else None
-    small, cut, at, boxes = [], [], [], []
-    shrink = 1.0
-    for index, (picture, place) in enumerate(zip(pictures, places, strict=True)):
-        low, high = bounds([(picture.shape[1], picture.shape[0])], [place])
-        boxes.append((max(int(low[0]), 0), max(int(low[1]), 0), int(high[0]) + 1, int(high[1]) + 1))
-        if index == 0:
-            area = picture.shape[0] * picture.shape[1] * place.scale**2
-            shrink = min(1.0, float(np.sqrt(min(SEAM_PIXELS, ALL_SEAM_PIXELS / len(places)) / area)))
-        less = Similarity(complex(shrink)) @ place
-        colour = _lit(_coloured(picture), light)
-        if less.scale < 0.7:  # a warp alone would alias
-            size = [max(8, round(n * less.scale)) for n in picture.shape[1::-1]]
-            reduced = np.asarray(cv2.resize(colour, size, interpolation=cv2.INTER_AREA), np.uint8)
-            less, colour = less @ Similarity(complex(picture.shape[1] / size[0])), reduced
-        tile, mask, spot = _tile(colour, less)
-        small.append(tile)
-        cut.append(mask)
-        at.append(spot)
-        told("light")
-    if len(small) == 1:
-        return [_Matched(places[0], boxes[0], cut[0], lambda tile, spot, mask: tile, light)]
-    kinds = [cv2.detail.EXPOSURE_COMPENSATOR_GAIN]
-    if len(small) <= LOCAL_GAINS:
-        kinds.append(cv2.detail.EXPOSURE_COMPENSATOR_GAIN_BLOCKS)
-    compensators = []
-    for kind in kinds:
-        compensator = cv2.detail.ExposureCompensator.createDefault(kind)
-        compensator.feed(at, [_umat(t) for t in small], [_umat(m) for m in cut])
-        small = [np.asarray(compensator.apply(i, at[i], t, cut[i]), np.uint8) for i, t in enumerate(small)]
-        compensators.append(compensator)
-
-    def evener(index: int) -> Callable[[Image, tuple[int, int], Image], Image]:
-        def even(tile: Image, spot: tuple[int, int], mask: Image) -> Image:
-            for compensator in compensators:
-                tile = np.asarray(compensator.apply(index, spot, tile, mask), np.uint8)
-            return tile
-        return even
-
-    told("seams")
-    finder = cv2.detail.DpSeamFinder("COLOR_GRAD")
-    seams = finder.find([_umat(t.astype(np.float32)) for t in small], at, [_umat(m) for m in cut])
-    grown = [np.asarray(cv2.dilate(seam.get(), np.ones((3, 3), np.uint8)), np.uint8) for seam in seams]
-    return [_Matched(place, box, seam, evener(i), light)
-            for i, (place, box, seam) in enumerate(zip(places, boxes, grown, strict=True))]
-
-
-def _common_light(pictures: Sequence[Image]) -> NDArray[np.float32] | None:
-    """What to multiply every picture by so that their mean is even: the lamp and the lens are the same in all; float32
-    (h, w), small. None where pictures differ in size."""
-    total, size = np.zeros((24, 32)), None
-    for picture in pictures:
-        if size not in (None, picture.shape[:2]):
-            return None
-        size = picture.shape[:2]
-        small = np.asarray(cv2.resize(picture, (32, 24), interpolation=cv2.INTER_AREA), np.float64)
-        total += small if small.ndim == 2 else small.mean(axis=2)
-    mean = cv2.GaussianBlur(total / len(pictures), (0, 0), 2.0, borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(np.clip(mean.mean() / np.maximum(mean, 1.0), 0.3, 3.0), np.float32)
-
-
-def _lit(picture: Image, light: NDArray[np.float32] | None) -> Image:
-    if light is None:
-        return picture
-    gain = np.asarray(cv2.resize(light, picture.shape[1::-1], interpolation=cv2.INTER_CUBIC))
-    return np.asarray(np.clip(picture * (gain if picture.ndim == 2 else gain[:, :, None]), 0, 255), np.uint8)
-
-
-def _blend(pictures: Sequence[Image], matched: Sequence[_Matched], box: Box, told: Told) -> Image | None:
-    """A block of the mosaic, uint8 (h, w, 3); None where no picture reaches."""
-    wide = box[0] - MARGIN, box[1] - MARGIN, box[2] + MARGIN, box[3] + MARGIN
-    blender = cv2.detail.MultiBandBlender()
-    blender.setNumBands(BANDS)
-    blender.prepare((wide[0], wide[1], wide[2] - wide[0], wide[3] - wide[1]))
-    any_fed = False
-    for tile, mask, spot in _tiles(pictures, matched, wide):
-        blender.feed(tile.astype(np.int16), mask, spot)
-        any_fed = True
-        told("blending")
-    if not any_fed:
-        return None
-    blended, covered = blender.blend(np.empty(0, np.int16), np.empty(0, np.uint8))
-    out = np.clip(blended, 0, 255).astype(np.uint8)
-    out[np.asarray(covered) == 0] = 0
-    return out[MARGIN:MARGIN + box[3] - box[1], MARGIN:MARGIN + box[2] - box[0]]
-
-
-def _tiles(pictures: Sequence[Image], matched: Sequence[_Matched],
-           wide: Box) -> Iterator[tuple[Image, Image, tuple[int, int]]]:
-    """Tiles that reach into a box, cut to it."""
-    for index, how in enumerate(matched):
-        if how.box[0] >= wide[2] or how.box[1] >= wide[3] or how.box[2] <= wide[0] or how.box[3] <= wide[1]:
-            continue
-        tile, mask, (x, y) = how.tile(pictures[index])
-        left, top = max(wide[0] - x, 0), max(wide[1] - y, 0)
-        right, bottom = min(wide[2] - x, tile.shape[1]), min(wide[3] - y, tile.shape[0])
-        if right > left and bottom > top:
-            yield (np.ascontiguousarray(tile[top:bottom, left:right]),
-                   np.ascontiguousarray(mask[top:bottom, left:right]), (x + left, y + top))
-
-
-def _umat(image: NDArray[np.generic]) -> cv2.UMat:
-    make: Callable[..., cv2.UMat] = cv2.UMat  # OpenCV's type stubs leave out the constructor from an array
-    return make(np.ascontiguousarray(image))
+def _clearing(thumbs: Sequence[Image]) -> Floats:
+    """What to multiply the colours by, (3,), so that they are equally strong on average, and the picture is bright."""
+    levels = np.concatenate([thumb.reshape(-1, 3) for thumb in thumbs]).astype(np.float64)
+    mean = np.maximum(levels.mean(axis=0), 1)
+    factors = np.minimum(mean.mean() / mean, STRONGEST)
+    brightest = float(np.percentile((levels * factors).mean(axis=1), 99))
+    return np.asarray(factors * np.clip(BRIGHT / brightest, 1, STRONGEST), np.float64)

@@ -4,15 +4,25 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import accumulate
 
 import numpy as np
 
 from signum.applications.mosaic.edges import JOIN, LOOP, Edge
-from signum.applications.mosaic.graph import precision
+from signum.applications.mosaic.graph import Solution, precision
 from signum.applications.mosaic.ledger import Ledger, Piece
+from signum.applications.mosaic.likelihood import surprise
+from signum.applications.mosaic.nearby import ball
+from signum.applications.mosaic.revise import revise
+from signum.applications.mosaic.windows import Knowledge
 from signum.geometry.similarity import IDENTITY, Similarity, overlap
+from signum.measure.register import Rival
+
+CONFIRMING = 64
+"""Frames around one end of an edge between two components whose places beside the other end may confirm it."""
 
 
 class Loops:
@@ -36,44 +46,52 @@ class Loops:
             name: the frame.
             by: the edge that has just placed it, which is not yet in the solution.
         """
-        wanted = []
-        order = {stored: k for k, stored in enumerate(piece.stored)}
-        here = piece.places[name]
-        middle = here(np.array(self._centre))
-        reach = math.hypot(*self._size) * here.scale
-        for other in piece.stored:
-            pair = (other, name) if order[other] < order[name] else (name, other)
-            if other == name or (by is not None and other == by.frame_a) or pair in self.tried:
+        found = 0
+        for pair, deviation in self.choose(piece, name, by):
+            found += self.attempt(piece, pair, deviation)
+        return found
+
+    def choose(self, piece: Piece, name: str, by: Edge | None = None) -> Iterator[tuple[tuple[str, str], float]]:
+        """The pairs to be tried of a frame, as `propose`, and the standard deviations of their predictions, pixels.
+
+        Edges to two frames that lie close together are redundant: those chosen come from all directions. One that has
+        been tried between two steps, and accepted, counts.
+        """
+        wanted = self._wanted(piece, name, by)
+        if not wanted:
+            return
+        anchor = name if by is None else by.frame_a
+        known = self._ledger.known(piece, anchor, [pair[0] if pair[1] == name else pair[1] for _, pair in wanted])
+        near = self._settings.apart * min(self._size) * piece.places[name].scale
+        room = self._settings.proposals
+        for _, pair in wanted:
+            at = piece.grid.at[pair[0] if pair[1] == name else pair[1]]
+            partners = [partner for partner in self._ledger.partners(name) if partner in piece.places]
+            if not room or any(abs(at - piece.grid.at[partner]) < near for partner in partners):
                 continue
-            there = piece.places[other]
-            if float(np.abs(there(np.array(self._centre)) - middle).max()) > reach:
+            deviation = self._deviation(piece, known, pair, by)
+            if deviation is None:
+                piece.strained = True  # it waits until all frames are placed again, or for the last look
+                continue
+            room -= 1
+            yield pair, deviation
+
+    def _wanted(self, piece: Piece, name: str, by: Edge | None) -> list[tuple[float, tuple[str, str]]]:
+        """The pairs of a frame with others that were not tried yet, and their predicted overlaps, the largest first."""
+        wanted = []
+        for other in piece.near(name):
+            pair = (other, name) if piece.order[other] < piece.order[name] else (name, other)
+            if (by is not None and other == by.frame_a) or pair in self.tried:
                 continue
             share = overlap(piece.places[pair[1]].inverse @ piece.places[pair[0]], self._size)
             if share >= self._settings.overlap:
                 wanted.append((share, pair))
-        wanted.sort(key=lambda one: -one[0])
-        # Edges to two frames that lie close together are redundant: those chosen come from all directions.
-        near = self._settings.apart * min(self._size) * here.scale
-        taken = [piece.places[partner](np.array(self._centre)) for partner in self._ledger.partners.get(name, ())
-                 if partner in piece.places]
-        room = self._settings.proposals
-        found = 0
-        for _, pair in wanted:
-            at = piece.places[pair[0] if pair[1] == name else pair[1]](np.array(self._centre))
-            if room and all(np.hypot(*(at - other)) >= near for other in taken):
-                room -= 1
-                if self._try(piece, pair, by):
-                    taken.append(at)
-                    found += 1
-        return found
+        return sorted(wanted, key=lambda one: -one[0])
 
-    def _try(self, piece: Piece, pair: tuple[str, str], by: Edge | None) -> bool:
+    def attempt(self, piece: Piece, pair: tuple[str, str], deviation: float) -> bool:
         """Measure a proposed edge of a component; it is accepted if it agrees with the poses."""
-        a, b = pair
-        predicted = piece.places[b].inverse @ piece.places[a]
-        point = self._common(predicted)
-        deviation = self._deviation(piece, a, b, point, by)
-        edge = self.measure(a, b, LOOP, predicted, deviation)
+        predicted = piece.places[pair[1]].inverse @ piece.places[pair[0]]
+        edge = self.measure(*pair, LOOP, predicted, deviation)
         self.tried[pair] = predicted
         self._ledger.note(edge)
         return edge.accepted
@@ -83,58 +101,88 @@ class Loops:
         middle = (np.array(self._centre) + predicted.inverse(np.array(self._centre))) / 2
         return float(middle[0]), float(middle[1])
 
-    def _deviation(self, piece: Piece, a: str, b: str, at: tuple[float, float], by: Edge | None) -> float:
-        """Standard deviation of the prediction, pixels."""
-        assert piece.solution is not None
+    def _deviation(self, piece: Piece, known: Knowledge | Solution, pair: tuple[str, str], by: Edge | None
+                   ) -> float | None:
+        """Standard deviation of the prediction of a pair, pixels; None if it cannot be told yet.
+
+        Args:
+            piece: of both.
+            known: what is known from the frame that is placed, or from the one that the edge `by` has placed it by.
+            pair: the frames.
+            by: the edge, if it has just placed the second of them.
+        """
+        a, b = pair
+        predicted = piece.places[b].inverse @ piece.places[a]
+        at = self._common(predicted)
         if by is None:
-            return piece.solution.deviation(a, b, at)
-        x, y = by.similarity.inverse((piece.places[b].inverse @ piece.places[a])(np.array(at)))
-        known = piece.solution.deviation(a, by.frame_a, at) if a != by.frame_a else 0.0
+            return known.deviation(a, b, at)
+        x, y = by.similarity.inverse(predicted(np.array(at)))
+        before = known.deviation(a, by.frame_a, at) if a != by.frame_a else 0.0
         lever = math.dist((x, y), by.middle) / max(by.spread_px, 0.05 * max(self._size))
-        return math.hypot(known, piece.solution.usual * math.hypot(1.0, lever) / math.sqrt(precision(by)))
+        return None if before is None else math.hypot(before, known.usual * math.hypot(1.0, lever)
+                                                      / math.sqrt(precision(by)))
+
+    def search(self, predicted: Similarity, deviation: float) -> tuple[Similarity | None, int | None]:
+        """The guess and reach to search with around a prediction; None where the whole frame is searched."""
+        spread = math.hypot(deviation, self._settings.relief * max(self._size))
+        reach = math.ceil(self._settings.gate * spread / max(self._registrar.fine.factor)) + 6
+        if reach > self._settings.farthest:
+            return None, None
+        return predicted, max(reach, self._registrar.limits.reach)
 
     def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Edge:
-        """Measure an edge around its prediction; refused if it differs by more than the uncertainty allows."""
-        slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
-        reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
-        near = reach <= self._settings.farthest
-        result = self._ledger.register(a, b, predicted if near else None,
-                                       max(reach, self._registrar.limits.reach) if near else None)
-        reason = ""
-        if result.accepted:
-            point = np.array(result.middle)
-            miss = float(np.hypot(*(result.similarity(point) - predicted(point))))
-            turned = abs((result.similarity @ predicted.inverse).rot_deg)
-            if result.agreed < max(self._settings.share * result.tried, self._settings.agreed):
-                reason = f"only {result.agreed} of {result.tried} windows agree"
-            elif miss > slack or turned > self._settings.twist_deg:
-                reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other edges give it"
-        return Edge.of(a, b, kind, self._centre, result, reason)
+        """Measure an edge around its prediction; of its motions that is taken which is the likeliest by its windows and
+        its place, and refused if that is not likely enough."""
+        settings = self._settings
+        spread = math.hypot(deviation, settings.relief * max(self._size))
+        guess, reach = self.search(predicted, deviation)
+        result = self._ledger.register(a, b, guess, reach)
+        searched = 0.5 * max(self._size) if reach is None else reach * max(self._registrar.fine.factor)
+        edge = replace(Edge.of(a, b, kind, self._centre, result), reason="", accepted=True)
+        motions: list[Edge | Rival] = [edge, *edge.rivals]
+        odds = [motion.evidence + surprise(motion.similarity, predicted, motion.middle, spread, searched)
+                for motion in motions]
+        best = max(range(len(odds)), key=odds.__getitem__)
+        edge = edge.switched(best)
+        if edge.agreed < settings.agreed or odds[best] < settings.odds:
+            point = np.array(edge.middle)
+            miss = float(np.hypot(*(edge.similarity(point) - predicted(point))))
+            far = edge.evidence >= settings.odds and edge.agreed >= settings.agreed
+            edge = replace(edge, accepted=False, reason=(
+                f"{miss:.0f} px off the place the other edges give it" if far else
+                result.reason or f"only {edge.agreed} of {edge.tried} windows agree"))
+        return edge
 
     def join(self, name: str) -> int:
         """Look for an edge from a frame of the last component to the others; returns how many were accepted."""
-        late = self._ledger.piece_of(name)
-        others = [(piece, other) for piece in self._ledger.pieces if piece is not late for other in piece.stored]
-        # Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
-        place = late.stored.index(name)
-        beside = others[::-1][place : place + self._settings.joins // 2]
-        spread = [others[round(i)] for i in np.linspace(0, len(others) - 1, self._settings.joins)]
-        tried: set[str] = set()
-        for piece, other in (*beside, *spread):
-            full = len(tried) >= self._settings.joins
-            if other in tried or full or piece not in self._ledger.pieces or piece is late:
-                continue
-            tried.add(other)
+        for other in self.beside(name):
             if (other, name) in self.tried:
                 continue
             result = self._ledger.register(other, name)
             self.tried[other, name] = IDENTITY
-            if result.accepted and result.agreed >= max(self._settings.share * result.tried, self._settings.agreed):
+            if result.accepted and result.agreed >= self._settings.agreed:
                 self._doubtful.append(Edge.of(other, name, JOIN, self._centre, result))
         found = 0
         for edge in list(self._doubtful):
             found += self._confirm(edge)
         return found
+
+    def beside(self, name: str) -> list[str]:
+        """The frames of other components that an edge from a frame of the last one is looked for to.
+
+        Where columns turn, the n-th frame after a break lies beside the n-th before it; some others are tried too.
+        """
+        late = self._ledger.piece_of(name)
+        pieces = [piece for piece in self._ledger.pieces if piece is not late]
+        ends = list(accumulate(len(piece.stored) for piece in pieces))
+        count, first = ends[-1], ends[-1] - 1 - late.order[name]
+        places = [*range(first, max(first - self._settings.joins // 2, -1), -1),
+                  *(round(i) for i in np.linspace(0, count - 1, self._settings.joins))]
+        found: dict[str, None] = {}
+        for place in places:
+            k = bisect_right(ends, place)
+            found.setdefault(pieces[k].stored[place - ends[k]])
+        return list(found)[: self._settings.joins]
 
     def _confirm(self, join: Edge) -> int:
         """Accept an edge between two components if at least half of the other edges that it predicts are found too.
@@ -148,13 +196,15 @@ class Loops:
             return 0
         onto = early.places[join.frame_a] @ join.similarity.inverse @ late.places[join.frame_b].inverse
         wanted = []
-        for a in early.stored:
-            for b in late.stored:
-                predicted = (onto @ late.places[b]).inverse @ early.places[a]
+        for b in ball(self._ledger.links, join.frame_b, CONFIRMING):
+            there = onto @ late.places[b]
+            middle = there(np.array(self._centre))
+            for a in early.grid.near(complex(*middle), early.grid.diagonal * there.scale):
+                predicted = there.inverse @ early.places[a]
                 share = overlap(predicted, self._size)
                 if (a, b) != (join.frame_a, join.frame_b) and share >= self._settings.overlap:
                     wanted.append((share, a, b, predicted))
-        wanted.sort(key=lambda one: -one[0])
+        wanted.sort(key=lambda one: (-one[0], early.order[one[1]], late.order[one[2]]))
         lever = 0.5 * max(self._size) / max(join.spread_px, 0.05 * max(self._size))
         deviation = 2 * math.hypot(1.0, lever) / math.sqrt(precision(join)) + 0.01 * max(self._size)
         edges = [self.measure(a, b, JOIN, predicted, deviation)
@@ -176,18 +226,33 @@ class Loops:
     def exhaust(self, piece: Piece) -> Iterator[str]:
         """Look again for the edges of a component that its poses now predict, until there are no more; yields a phrase
         for each frame."""
+        self._ledger.complete(piece)
         for _ in range(3):
-            connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
-            for pair, before in list(self.tried.items()):
-                if pair[0] in piece.places and pair[1] in piece.places and pair not in connected:
-                    now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
-                    off = float(np.hypot(*(now(np.array(self._centre)) - before(np.array(self._centre)))))
-                    if off > self._settings.relief * max(self._size):
-                        del self.tried[pair]  # it was searched for elsewhere
+            self.forget(piece)
             found = 0
             for name in list(piece.stored):
                 found += self.propose(piece, name)
                 yield f"{name}: looked for more edges"
             if not found:
-                return
+                break
             self._ledger.solve(piece)
+        self.conclude(piece)
+
+    def conclude(self, piece: Piece) -> None:
+        """Refuse the edges that the others contradict, once no more are looked for."""
+        if revise(self._ledger, piece):
+            self._ledger.solve(piece)
+
+    def forget(self, piece: Piece) -> int:
+        """Let pairs be tried again that were searched for elsewhere than the poses now predict; returns how many."""
+        connected = {(edge.frame_a, edge.frame_b) for edge in self._ledger.accepted}
+        moved = []
+        for pair, before in self.tried.items():
+            if pair[0] in piece.places and pair[1] in piece.places and pair not in connected:
+                now = piece.places[pair[1]].inverse @ piece.places[pair[0]]
+                off = float(np.hypot(*(now(np.array(self._centre)) - before(np.array(self._centre)))))
+                if off > self._settings.relief * max(self._size):
+                    moved.append(pair)
+        for pair in moved:
+            del self.tried[pair]
+        return len(moved)

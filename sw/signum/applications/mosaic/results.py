@@ -9,9 +9,9 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from signum.applications.mosaic.blend import Told, compose, silent, sketch
+from signum.applications.mosaic.blend import MOST_PIXELS, Composition, Told, compose, silent, sketch
 from signum.applications.mosaic.georeference import Georeference, ground_lines, world_of
-from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
+from signum.applications.mosaic.geotiff import extent_of, write_geotiff, write_geotiff_blocks, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Image
@@ -21,8 +21,12 @@ from signum.geometry.similarity import IDENTITY
 from signum.tables.schemas import GROUND, POSES
 from signum.tables.table import csv_line
 
-THUMB = 240
-"""Longer side of the copies the growing mosaic is made of, pixels."""
+THUMB, LEAST_THUMB, THUMBS_BYTES = 240, 30, 48_000_000
+"""Longer side of the copies the growing mosaic is made of, pixels; the least, and the memory for all of them, beyond
+which they are made half as large."""
+MOST_MAP_PIXELS = 20_000_000_000
+"""Most pixels of a GeoTIFF, which is made block by block where `MOST_PIXELS` are too few; a larger one is made at a
+smaller scale."""
 Grounding = Callable[[list[Pose], tuple[float, float]], Georeference | None]
 """Finds where on the ground a component is, from its poses and the frames' centre in pixels."""
 
@@ -36,6 +40,7 @@ class Results:
     Attributes:
         ground: where given, the mosaics get world files and GeoTIFFs.
         cog: whether these are Cloud Optimized GeoTIFFs.
+        water: whether the mosaics' colours are corrected for the water.
         told: hears of each picture that is blended.
         grounded: what there is to say of where the mosaics lie, a line each.
         trouble: why `ground` failed; empty if it did not.
@@ -45,20 +50,22 @@ class Results:
         self._ledger = ledger
         self.ground: Grounding | None = None
         self.cog = False
+        self.water = False
         self.told: Told = silent
         self.grounded: list[str] = []
         self.trouble = ""
         self._sizes: list[str] = []
         self._planes: dict[int, Georeference] = {}
         self._thumbs: dict[str, Image] = {}
+        self._side = THUMB
 
     def show(self, name: str, picture: Image | None = None) -> Image:
         """A stored frame's small copy for the growing mosaic; `picture` is the frame where it is at hand."""
         if name not in self._thumbs:
-            whole = self._ledger.shelf.picture(name) if picture is None else picture
-            less = THUMB / max(whole.shape[:2])
-            self._thumbs[name] = np.asarray(cv2.resize(whole, None, fx=less, fy=less, interpolation=cv2.INTER_AREA),
-                                            np.uint8) if less < 1 else whole
+            self._thumbs[name] = _smaller(self._ledger.shelf.picture(name) if picture is None else picture, self._side)
+            if len(self._thumbs) * self._thumbs[name].nbytes > THUMBS_BYTES and self._side > LEAST_THUMB:
+                self._side //= 2
+                self._thumbs = {other: _smaller(thumb, self._side) for other, thumb in self._thumbs.items()}
         return self._thumbs[name]
 
     def write_poses(self) -> None:
@@ -120,14 +127,22 @@ class Results:
                 of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
                 self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
-        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored],
-                         told=self.told)
+        pictures = ledger.shelf.pictures(piece.stored)
+        places = [upright @ piece.places[name] for name in piece.stored]
+        mosaic = compose(pictures, places, MOST_PIXELS, told=self.told, water=self.water)
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
             write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
-            write_geotiff(path := make(f"mosaic{ending}.tif"), mosaic, geo, self.cog)
-            self.grounded += ground_lines(str(path), mosaic, geo)
+            path = make(f"mosaic{ending}.tif")
+            mapped = mosaic
+            if mosaic.scale == 1:
+                write_geotiff(path, mosaic, geo, self.cog)
+            else:  # the picture was too large, but the map need not fit into memory
+                whole = Composition(pictures, places, MOST_MAP_PIXELS, self.told, self.water)
+                write_geotiff_blocks(path, whole, geo, self.cog)
+                mapped = extent_of(whole)
+            self.grounded += ground_lines(str(path), mapped, geo)
         height, width = mosaic.picture.shape[:2]
         step = world_of(mosaic, geo)[0] if geo else 0.0
         self._sizes.append(f"mosaic{ending}.png {width}x{height} px"
@@ -137,6 +152,14 @@ class Results:
     def size(self) -> str:
         """The sizes of the mosaics written, in words."""
         return "; ".join(self._sizes)
+
+
+def _smaller(picture: Image, side: int) -> Image:
+    """A copy with a longer side of at most `side` pixels."""
+    less = side / max(picture.shape[:2])
+    if less >= 1:
+        return picture
+    return np.asarray(cv2.resize(picture, None, fx=less, fy=less, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def suffix(number: int) -> str:

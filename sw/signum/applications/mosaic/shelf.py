@@ -27,8 +27,9 @@ from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity
 from signum.measure.register import Prepared, Registrar, Registration
 
-KEPT = 48
-"""Prepared frames held in memory."""
+KEPT, KEPT_BYTES = 256, 64_000_000
+"""Prepared frames held in memory at most, and their bytes: two columns of most surveys, as the frames beside the newest
+are those of the column before."""
 RECORD, EDGES_FILE, JOURNAL = "run.json", "edges.csv", "frames/journal.txt"
 """Files of every survey."""
 ALWAYS = "poses.csv", "mosaic.png"
@@ -190,7 +191,7 @@ class Shelf:
         """A frame that is stored or at hand as the board sees it."""
         found = self._prepared.pop(name, None) or registrar.prepare(self.picture(name))
         self._prepared[name] = found
-        while len(self._prepared) > KEPT:
+        while len(self._prepared) > min(KEPT, max(2, KEPT_BYTES // max(1, found.nbytes))):
             self._prepared.popitem(last=False)
         return found
 

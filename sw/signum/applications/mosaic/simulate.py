@@ -38,6 +38,7 @@ class Plan:
         step: from frame to frame, share of the frame's height along a column and of its width across.
         yaw_deg, zoom, tilt_deg, place_m: standard deviations of heading, height (share of it), roll and pitch,
             position.
+        lean_deg: roll and pitch of the whole survey, to which those deviations are added.
         relief: standard deviation of the floor's height, metres.
         water: the water.
     """
@@ -52,6 +53,7 @@ class Plan:
     zoom: float = 0.01
     tilt_deg: float = 0.3
     place_m: float = 0.02
+    lean_deg: tuple[float, float] = (0.0, 0.0)
     relief: float = 0.02
     water: Water = field(default_factory=lambda: Water(noise=2.0))
 
@@ -129,7 +131,7 @@ def simulate_survey(plan: Plan, seed: int) -> Flown:
         north = (row - (plan.rows - 1) / 2) * along + rng.normal(0, plan.place_m)
         east = (column - (plan.columns - 1) / 2) * across + rng.normal(0, plan.place_m)
         height = plan.height * (1 + rng.normal(0, plan.zoom))
-        roll, pitch = np.radians(rng.normal(0, plan.tilt_deg, 2))
+        roll, pitch = np.radians(rng.normal(0, plan.tilt_deg, 2) + plan.lean_deg)
         yaw = np.radians(rng.normal(0, plan.yaw_deg))
         sight = Sight(np.array([north, east, -height]), rotation(roll, pitch, yaw) @ LOOK_DOWN)
         frames[row, column] = world.look(camera, sight).frame

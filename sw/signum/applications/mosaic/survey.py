@@ -52,6 +52,7 @@ class Survey:
         resume: continue the survey in the folder: give the frames to `add` in the order of `ordered`.
         every: least seconds between two updates of the growing mosaic; infinite for none.
         calibration: of the camera, for the record.
+        order: in which pairs are measured, for the record; empty for that in which the frames come.
 
     Attributes:
         ledger: the components and edges so far.
@@ -64,13 +65,14 @@ class Survey:
     """
 
     def __init__(self, registrar: Registrar, out: Path, stream: bool = False, settings: SurveySettings | None = None,
-                 source: str = "", resume: bool = False, every: float = math.inf, calibration: str = "") -> None:
+                 source: str = "", resume: bool = False, every: float = math.inf, calibration: str = "",
+                 order: str = "") -> None:
         self.registrar, self.out, self.stream, self.settings = registrar, out, stream, settings or SurveySettings()
         self.ledger = Ledger(registrar, out, self.settings)
         self.results = Results(self.ledger)
         self._loops = Loops(self.ledger)
         self.run = SurveyRun(source, self.ledger.size, stream, registrar.window, registrar.sigma, self.settings.columns,
-                             calibration)
+                             calibration, order)
         self.done: set[str] = set()
         self.remarks: list[str] = []
         self._every, self._updated_at, self._update_took = every, time.monotonic(), 0.0
@@ -234,13 +236,17 @@ class Survey:
         return self._add_live(frame) if self.stream else self._add_snapshot(frame)
 
     def _add_snapshot(self, frame: Frame) -> str:
-        for name in self.pieces[-1].stored[: -1 - self.settings.back : -1]:
-            result = self.ledger.register(name, frame.name)
-            edge = Edge.of(name, frame.name, SEQUENCE, self.ledger.centre, result)
+        edge = self._linked(frame.name)
+        return self._begin(frame) if edge is None else self._store(frame, edge)
+
+    def _linked(self, name: str) -> Edge | None:
+        """The edge by which a frame follows one of the last, not noted yet; None if it follows none of them."""
+        for other in self.pieces[-1].stored[: -1 - self.settings.back : -1]:
+            edge = Edge.of(other, name, SEQUENCE, self.ledger.centre, self.ledger.register(other, name))
             if edge.accepted:
-                return self._store(frame, edge)
+                return edge
             self.ledger.note(edge)
-        return self._begin(frame)
+        return None
 
     def _add_live(self, frame: Frame) -> str:
         name = self.pieces[-1].stored[-1]
@@ -293,16 +299,22 @@ class Survey:
     def _store(self, frame: Frame, edge: Edge) -> str:
         """Add a frame to the graph by an accepted edge, and look for its neighbours."""
         self._keep(frame)
-        edge = self.ledger.note(replace(edge, kind=SEQUENCE))
-        self._loops.tried[edge.frame_a, edge.frame_b] = edge.similarity
+        edge = replace(edge, kind=SEQUENCE)
+        piece = self._enter(edge)
         self._forget_motion()
-        piece = self.ledger.piece_of(edge.frame_a)
-        piece.enter(edge)
         found = self._loops.propose(piece, frame.name, edge) if self.settings.loops else 0
-        self.ledger.solve(piece)
+        self.ledger.settle(piece, frame.name)
         if self.settings.loops and len(self.pieces) > 1:
             found += self._loops.join(frame.name)
         return f"{edge.frame_a} to {frame.name}: {edge.shift[0]:.1f}, {edge.shift[1]:.1f} px, {found} other edges"
+
+    def _enter(self, edge: Edge) -> Piece:
+        """Add a frame to the component of another by their edge, which is noted."""
+        self.ledger.note(edge)
+        self._loops.tried[edge.frame_a, edge.frame_b] = edge.similarity
+        piece = self.ledger.piece_of(edge.frame_a)
+        self.ledger.enter(piece, edge)
+        return piece
 
     def _keep(self, frame: Frame) -> None:
         """Put a frame on the shelf."""
@@ -330,6 +342,8 @@ class Survey:
         if finished:
             self.settle()
         if self._end():
+            for piece in self.pieces:
+                self.ledger.complete(piece)
             self.results.write_all()
 
     def leave(self) -> None:

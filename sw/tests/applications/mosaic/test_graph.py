@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from signum.applications.mosaic.edges import LOOP, Edge
-from signum.applications.mosaic.graph import FLOOR_PX, TOGETHER, chain, solve_graph
+from signum.applications.mosaic.graph import FLOOR_PX, PARALLAX, TOGETHER, chain, solve_graph
 from signum.geometry.similarity import Similarity
 
 SIZE = 400, 300
@@ -23,12 +23,15 @@ def _poses(side: int, rng: np.random.Generator) -> dict[str, Similarity]:
     return out
 
 
-def _edge(poses: dict[str, Similarity], a: str, b: str, rng: np.random.Generator, noise: float) -> Edge:
-    """What a registration with window errors of `noise` pixels would give; 16 windows count as 4."""
+def _edge(poses: dict[str, Similarity], a: str, b: str, rng: np.random.Generator, noise: float,
+          relief: float = 0.0) -> Edge:
+    """What a registration with window errors of `noise` pixels would give; 16 windows count as 4. Relief adds a share
+    of the displacement."""
     true = poses[b].inverse @ poses[a]
     middle = (np.array(CENTRE) + true.inverse(np.array(CENTRE))) / 2
     spread = 60.0
     sigma = noise / np.sqrt(16 / TOGETHER)
+    sigma = float(np.hypot(sigma, relief * np.hypot(*(true(np.array(CENTRE)) - np.array(CENTRE)))))
     factor = true.factor + complex(*rng.normal(0, sigma, 2)) / spread
     there = complex(*true(middle)) + complex(*rng.normal(0, sigma, 2))
     rms = float(np.sqrt(max(2 * (noise**2 - FLOOR_PX**2), 0)))
@@ -80,7 +83,7 @@ def test_deviation_is_what_is_seen() -> None:
     misses, said = [], []
     for seed in range(40):
         rng = np.random.default_rng(100 + seed)
-        solution = solve_graph("0", [_edge(poses, a, b, rng, 2.0) for a, b in _grid(4)], SIZE)
+        solution = solve_graph("0", [_edge(poses, a, b, rng, 2.0, PARALLAX) for a, b in _grid(4)], SIZE)
         miss = solution.relative("0", "15")(np.array(CENTRE)) - (poses["15"].inverse @ poses["0"])(np.array(CENTRE))
         misses.append(miss)
         said.append(solution.deviation("0", "15", CENTRE))

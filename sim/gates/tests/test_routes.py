@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Routes that do not connect what the netlist connects are found."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+import pytest
+
+from sim.gates.routes import check, wire
+
+
+def _cell(kind: str, place: str, mode: str = "", /, **pins: int) -> dict[str, Any]:
+    return {"type": kind, "attributes": {"NEXTPNR_BEL": place}, "parameters": {"MODE": mode} if mode else {},
+            "connections": {pin: [bit] for pin, bit in pins.items()},
+            "port_directions": {pin: "output" if pin in ("Q", "F", "CLKO", "WADO0") else "input" for pin in pins}}
+
+
+def _net(bit: int, *hops: str) -> dict[str, Any]:
+    """A net whose wires are each `place;switch`."""
+    return {"bits": [bit], "attributes": {"ROUTING": ";".join(f"{hop};1" for hop in hops)}}
+
+
+Q = ("X4/Y3/Q0_SLICE;", "X4/Y3/Q0;X4/Y3/0_0_Q0_SLICE->0_0_Q0", "X5/Y3/H01E0001;X4/Y3/0_0_Q0->1_0_H01E0001",
+     "X5/Y3/B3;X5/Y3/0_0_H01E0001->0_0_B3", "X5/Y3/A3_SLICE;X5/Y3/0_0_B3->0_0_A3_SLICE")
+CLK = ("X9/Y9/G_CLKO_TDCC0;", "X4/Y3/G_HPBX0000;", "X4/Y3/CLK0;X4/Y3/0_0_G_HPBX0000->0_0_CLK0",
+       "X4/Y3/CLK0_SLICE;X4/Y3/0_0_CLK0->0_0_CLK0_SLICE")
+GOOD = {"cells": {"ff": _cell("TRELLIS_FF", "X4/Y3/SLICEA.FF0", Q=2, CLK=3),
+                  "lut": _cell("TRELLIS_COMB", "X5/Y3/SLICEB.K1", A=2, F=4),
+                  "clock": _cell("DCCA", "X9/Y9/TDCC0", CLKI=5, CLKO=3)},
+        "netnames": {"q": _net(2, *Q), "clk": _net(3, *CLK), "unused": {"bits": [4], "attributes": {"ROUTING": " "}}}}
+
+
+def _changed(net: str, *hops: str) -> dict[str, Any]:
+    module = deepcopy(GOOD)
+    module["netnames"][net] = _net(module["netnames"][net]["bits"][0], *hops)
+    return module
+
+
+def test_good_routes() -> None:
+    """All nets and wires count; an output that nothing reads has none, a global network begins anywhere."""
+    assert check(GOOD) == (2, 9)
+
+
+@pytest.mark.parametrize(("module", "message"), [
+    (_changed("q", *Q[:-1]), "lut.A is the wire X5/Y3/A3_SLICE, which belongs to no net"),
+    (_changed("q", *Q[:2], *Q[3:]), "net q: nothing drives X5/Y3/H01E0001"),
+    (_changed("q", *Q[1:]), "net q begins at no wire, not at X4/Y3/Q0_SLICE"),
+    (_changed("q", "X4/Y3/Q1_SLICE;", *Q), "net q begins at X4/Y3/Q0_SLICE, X4/Y3/Q1_SLICE"),
+    (_changed("q", *Q[:-1], "X5/Y3/A3_SLICE;X5/Y3/0_0_B3->0_0_C3_SLICE"), "switch of X5/Y3/A3_SLICE drives X5/Y3/C3"),
+    (_changed("q", *Q[:-1], "X5/Y3/A3_SLICE;X5/Y3/B3"), "no such switch"),
+    (_changed("q", *Q[:2], "X5/Y3/H01E0001;X5/Y3/0_0_B3->0_0_H01E0001", *Q[3:]), "net q: nothing drives"),
+    (_changed("q", *Q, "X5/Y3/B3_SLICE;X5/Y3/0_0_B3->0_0_B3_SLICE"), "lut.B is the wire X5/Y3/B3_SLICE, .* to q"),
+    (_changed("clk", *CLK, "X5/Y3/B3;X4/Y3/0_0_G_HPBX0000->1_0_B3"), "X5/Y3/B3 belongs to the nets q and clk"),
+    (_changed("clk", *CLK[:-1]), "ff.CLK is the wire X4/Y3/CLK0_SLICE, which belongs to no net"),
+])
+def test_wrong_routes(module: dict[str, Any], message: str) -> None:
+    """A pin that is not reached, a break, a second source, a false switch, a ring, a pin or wire of another net."""
+    with pytest.raises(ValueError, match=message):
+        check(module)
+
+
+@pytest.mark.parametrize(("mode", "pin", "through", "good"), [
+    ("LOGIC", "A", "D", True), ("CCU2", "A", "B", True), ("CCU2", "A", "C", False), ("CCU2", "D", "C", True),
+    ("DPRAM", "A", "B", False), ("DPRAM", "A", "A", True)])
+def test_inputs_that_change_places(mode: str, pin: str, through: str, good: bool) -> None:
+    """Inputs change places where the table can follow; those of memories and of carry cells have fixed tasks."""
+    module = _changed("q", *Q[:-2], f"X5/Y3/{through}3;X5/Y3/0_0_H01E0001->0_0_{through}3",
+                      f"X5/Y3/{pin}3_SLICE;X5/Y3/0_0_{through}3->0_0_{pin}3_SLICE")
+    module["cells"]["lut"] = _cell("TRELLIS_COMB", "X5/Y3/SLICEB.K1", mode, **{pin: 2})
+    if good:
+        assert check(module) == (2, 9)
+    else:
+        with pytest.raises(ValueError, match=f"lut.{pin} is reached through the slice's pin {through}"):
+            check(module)
+
+
+@pytest.mark.parametrize(("place", "kind", "pin", "name"), [
+    ("SLICED.K1", "TRELLIS_COMB", "FCO", "FCO"), ("SLICEA.K0", "TRELLIS_COMB", "FCI", "FCI"),
+    ("SLICEB.K0", "TRELLIS_COMB", "FCI", "FCIB"), ("SLICEB.K0", "TRELLIS_COMB", "FCO", "FCIB1"),
+    ("SLICEB.K1", "TRELLIS_COMB", "FCI", "FCIB1"), ("SLICEB.K1", "TRELLIS_COMB", "FCO", "FCOB"),
+    ("SLICEC.K0", "TRELLIS_COMB", "OFX", "F5C"), ("SLICEC.K1", "TRELLIS_COMB", "OFX", "FXC"),
+    ("SLICEC.K0", "TRELLIS_COMB", "F1", "F5"), ("SLICEC.K1", "TRELLIS_COMB", "FXB", "FXBC"),
+    ("SLICEB.K1", "TRELLIS_COMB", "WD", "WD1B"), ("SLICEB.K1", "TRELLIS_COMB", "WAD3", "WAD3B"),
+    ("SLICEB.K1", "TRELLIS_COMB", "WRE", "WRE1"), ("SLICEC.RAMW", "TRELLIS_RAMW", "D1", "D5"),
+    ("SLICEC.RAMW", "TRELLIS_RAMW", "WADO2", "WADO2C"), ("SLICED.FF1", "TRELLIS_FF", "M", "M7"),
+    ("SLICED.FF1", "TRELLIS_FF", "LSR", "LSR3")])
+def test_wires_of_pins(place: str, kind: str, pin: str, name: str) -> None:
+    """The wires that pins of a slice are."""
+    assert wire(_cell(kind, f"X4/Y3/{place}"), pin) == f"X4/Y3/{name}_SLICE"
+
+
+def test_wires_of_blocks() -> None:
+    """The wires that pins of blocks and pads are; a place that is unknown is refused."""
+    assert wire(_cell("DP16KD", "X13/Y46/EBR0"), "ADA3") == "X13/Y46/JADA3_EBR"
+    assert wire(_cell("MULT18X18D", "X83/Y34/MULT18_5"), "P7") == "X83/Y34/JP7_MULT18"
+    assert wire(_cell("TRELLIS_IO", "X0/Y20/PIOA"), "I") == "X0/Y20/PADDOA_PIO"
+    assert wire(_cell("TRELLIS_IO", "X0/Y20/PIOA"), "B") is None
+    with pytest.raises(ValueError, match="no place that is known: 'X1/Y1/SITE'"):
+        wire(_cell("TRELLIS_FF", "X1/Y1/SITE"), "Q")
