@@ -282,7 +282,8 @@ class Cluster(Crew):
 
     def close(self) -> None:
         """See `Crew`."""
-        self._client.close(timeout=1)
+        if self._client.status != "closed":
+            self._client.close(timeout=1)
 
 
 def shared_out(questions: Sequence[Key], workers: int) -> list[Sequence[Key]]:
