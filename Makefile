@@ -80,6 +80,10 @@ speed: setup ## Searches of the golden board against OpenCV; frames a second of 
 tracks: setup ## Tracks of clips that return to their start, clear and murky, against their known motion, held to bars
 	@PYTHONPATH=sw $(PY) -m tests.tracks
 
+.PHONY: compare
+compare: setup ## Signum beside Lucas-Kanade, DIS, ORB, SIFT, OpenCV's Stitcher and stereo on the same frames: out/compare/index.html (SEED=1; 10 minutes)
+	@PYTHONPATH=sw $(PY) -m tests.compare $(if $(SEED),--seed $(SEED))
+
 .PHONY: lint
 lint: $(VENV)/.installed ## Check Python, RTL and generated files, without running tests
 	@$(PY) -m ruff check .

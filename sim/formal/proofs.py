@@ -86,7 +86,7 @@ PROOFS: tuple[Proof, ...] = (
           assumed=("SlogPackerAbortAlone",)),
     Proof("packer_covers", "slog_packer", "cover", 18, {"GroupBits": 4}, rules=("packer",),
           assumed=("SlogPackerAbortAlone",)),
-    Proof("axil", "slog_axil", "bmc", 16, {"AddrW": 5}, rules=("axil",)),
+    Proof("axil", "slog_axil", "prove", 4, {"AddrW": 5}, rules=("axil",)),
     Proof("axil_covers", "slog_axil", "cover", 22, {"AddrW": 5}, rules=("axil",)),
     Proof("running_max", "slog_running_max", "prove", 4, rules=("running_max",), assumed=("SlogRunningMaxIndices",)),
     Proof("running_max_covers", "slog_running_max", "cover", 12, {"ValueW": 3, "IndexW": 3}, rules=("running_max",),
