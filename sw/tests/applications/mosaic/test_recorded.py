@@ -113,8 +113,8 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
 def test_two_workers_of_a_cluster_one_killed(alone: list[bytes], tmp_path: Path,
                                               cluster: tuple[str, list[subprocess.Popen[bytes]]]) -> None:
     address, workers = cluster
-    with Cluster(_bench(tmp_path / "out"), address, 60) as crew:
-        crew._client.wait_for_workers(2, timeout=60)
+    with Cluster(_bench(tmp_path / "out"), address, 180) as crew:
+        crew._client.wait_for_workers(2, timeout=180)
         tables, clocks = _measure(tmp_path / "out", crew, kill=workers[0].pid)
     assert workers[0].wait() == -signal.SIGKILL and workers[1].poll() is None
     assert tables == alone and clocks == 0
