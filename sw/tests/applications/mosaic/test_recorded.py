@@ -196,6 +196,9 @@ def test_in_one_command(tmp_path: Path) -> None:
 
 def test_what_is_missing_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
+    for address in ("", "tcp://", "127.0.0.1:8786", "tcp://a:b", "http://127.0.0.1:8786", "tcp://x:1\n"):
+        with pytest.raises(SignumError, match="expected tcp://HOST:PORT"):
+            Cluster(_bench(tmp_path), address)
     with pytest.raises(SignumError, match="no Dask scheduler with workers answers there"):
         Cluster(_bench(tmp_path), "tcp://127.0.0.1:9", 0.5)
     monkeypatch.setitem(sys.modules, "distributed", None)
