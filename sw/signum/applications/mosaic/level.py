@@ -3,7 +3,7 @@
 
 A camera tilted by small angles sees a level floor with a scale that changes over the picture: what it would show if it
 were level is at p / (1 + a.p), in pixels p from the picture's centre; a, per pixel, points to where the floor is
-further away, and is the tilt in radians over the focal length. Near the point c of the frame this multiplies what is
+nearest, and is the tilt in radians over the focal length. Near the point c of the frame this multiplies what is
 seen by a similarity and adds a shear: with complex numbers the derivative is
 
     1 - m(a, c)   for dp,   m(a, c) = Re(conj(a) c) + c conj(a) / 2,
