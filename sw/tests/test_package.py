@@ -133,7 +133,7 @@ def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path)
     ("ros", "rosbags", "open('a.bag', 'w').write('x'); signum.open_source('a.bag')"),
     ("ros", "yaml", "open('c.yaml', 'w').write('cam0: 1'); signum.open_lens('c.yaml')"),
     ("geo", "pyproj", "from signum.geometry.earth import system; system(32755)"),
-    ("cluster", "distributed", "from signum.applications.mosaic.crew import Cluster; Cluster(None, 'tcp://::1:9')"),
+    ("cluster", "distributed", "from signum.applications.mosaic import crew; crew.Cluster(None, 'tcp://127.0.0.1:9')"),
     ("mavlink", "pymavlink", "signum.MavlinkSink('udpout:127.0.0.1:9')"),
     ("serial", "serial", "signum.MavlinkSink('serial:/dev/ttyS0:57600')"),
 ])

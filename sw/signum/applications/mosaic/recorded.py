@@ -56,11 +56,17 @@ class RecordedSurvey(Survey):
         return f"{frame.name}: stored"
 
     def finish(self) -> Iterator[str]:
-        """Measure everything; yields a phrase now and then.
+        """Measure everything; yields a phrase now and then. Those who measure are let go at the end.
 
         Raises:
             SignumError: if those who measure are lost.
         """
+        yield from self._measure()
+        if self.crew is not None:
+            self.crew.close()
+
+    def _measure(self) -> Iterator[str]:
+        """The whole of it."""
         if self._names and not self.ledger.opened:
             self.open_table()
         yield from self._follow()

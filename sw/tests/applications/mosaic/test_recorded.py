@@ -113,11 +113,10 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
 def test_two_workers_of_a_cluster_one_killed(alone: list[bytes], tmp_path: Path,
                                               cluster: tuple[str, list[subprocess.Popen[bytes]]]) -> None:
     address, workers = cluster
-    with Cluster(_bench(tmp_path / "out"), address, 60) as crew:
-        crew._client.wait_for_workers(2, timeout=60)
+    with Cluster(_bench(tmp_path / "out"), address, 180) as crew:
+        crew._client.wait_for_workers(2, timeout=180)
         tables, clocks = _measure(tmp_path / "out", crew, kill=workers[0].pid)
-        assert crew._client.nthreads().keys() != {} and len(crew._client.nthreads()) == 1, "one of two is left"
-    assert workers[0].wait() == -signal.SIGKILL
+    assert workers[0].wait() == -signal.SIGKILL and workers[1].poll() is None
     assert tables == alone and clocks == 0
 
 
@@ -197,6 +196,9 @@ def test_in_one_command(tmp_path: Path) -> None:
 
 def test_what_is_missing_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
+    for address in ("", "tcp://", "127.0.0.1:8786", "tcp://a:b", "http://127.0.0.1:8786", "tcp://x:1\n"):
+        with pytest.raises(SignumError, match="expected tcp://HOST:PORT"):
+            Cluster(_bench(tmp_path), address)
     with pytest.raises(SignumError, match="no Dask scheduler with workers answers there"):
         Cluster(_bench(tmp_path), "tcp://127.0.0.1:9", 0.5)
     monkeypatch.setitem(sys.modules, "distributed", None)
