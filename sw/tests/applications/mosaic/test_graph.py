@@ -143,6 +143,7 @@ def test_the_motion_that_the_others_bear_out_is_used() -> None:
     poses = _poses(5, rng)
     edges = [_edge(poses, a, b, rng, 1.0) for a, b in _grid(5)]
     odd = list(range(2, len(edges), 5))
+    clean = solve_graph("0", [edge for k, edge in enumerate(edges) if k not in odd[:2]], SIZE)
     for k in odd:
         e = edges[k]
         right = Rival(e.similarity, 0.8, 0.1, e.agreed, True, e.middle, e.spread_px, e.rms_px, 5.0)
@@ -150,7 +151,8 @@ def test_the_motion_that_the_others_bear_out_is_used() -> None:
         edges[k] = replace(e, similarity=wrong, rivals=(right,) if k not in odd[:2] else ())
     solution = solve_graph("0", edges, SIZE)
     assert [k for k, number in enumerate(solution.chosen) if number] == odd[2:]
-    assert max(_errors(poses, solution.places)) < 4 and max(solution.weights[k] for k in odd[:2]) < 0.05
+    assert max(_errors(clean.places, solution.places)) < 1, "as good as if all were right"
+    assert max(solution.weights[k] for k in odd[:2]) < 0.05
     assert min(solution.weights[k] for k in odd[2:]) > 0.5
     back = edges[odd[2]].switched(1)
     assert back.similarity == edges[odd[2]].rivals[0].similarity and back.rivals[0].similarity == (
