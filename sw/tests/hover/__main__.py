@@ -22,7 +22,8 @@ from tests.hover.clips import BLIND, EVENTS, FLOORS, Clip
 def main() -> int:
     """Measure and print; returns the exit status."""
     parser = argparse.ArgumentParser(description="Hover clips against their bars.")
-    parser.add_argument("--seeds", default="60,61,62", help="of the clips; 0 to 9, 20, 21, 50 and 51 were used for development")
+    parser.add_argument("--seeds", default="60,61,62",
+                        help="of the clips; 0 to 9, 20, 21, 50 and 51 were used for development")
     parser.add_argument("--floors", default=",".join(FLOORS))
     parser.add_argument("--events", default=",".join(EVENTS))
     parser.add_argument("--frames", type=int, default=150)
