@@ -81,12 +81,12 @@ tracks: setup ## Tracks of clips that return to their start, clear and murky, ag
 	@PYTHONPATH=sw $(PY) -m tests.tracks
 
 .PHONY: links
-links: setup ## Links of real and rendered surveys against SIFT and truth, tilted and over relief, held to bars
-	@PYTHONPATH=sw $(PY) -m tests.links
+links: setup ## Links of real and rendered surveys against SIFT and truth, tilted and over relief, held to bars (SEED=1)
+	@PYTHONPATH=sw $(PY) -m tests.links $(if $(SEED),--seed $(SEED))
 
 .PHONY: navigate-bars
-navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars
-	@PYTHONPATH=sw $(PY) -m tests.localising
+navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars (SEED=1)
+	@PYTHONPATH=sw $(PY) -m tests.localising $(if $(SEED),--seed $(SEED))
 
 .PHONY: compare
 compare: setup ## Signum beside Lucas-Kanade, DIS, ORB, SIFT, OpenCV's Stitcher and stereo on the same frames: out/compare/index.html (SEED=1; 10 minutes)

@@ -29,8 +29,9 @@ from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.agree import Found, Motion, motions
+from signum.measure.likelihood import VALID_BY_CHANCE, chance, evidence
 from signum.measure.measurer import Measurement, Measurer, Query, View
-from signum.measure.refine import refine
+from signum.measure.refine import NARROW, refine
 from signum.measure.validity import Reason, Rules
 
 COARSE_SIDE = 160
@@ -74,7 +75,7 @@ class RegistrationLimits:
         fine_miss: half the distance, as a fraction of the fine windows' side, at which two places are different ones.
         windows: least number of agreeing fine windows.
         evidence: least evidence for a similarity, decades; see `likelihood`. One link in a thousand may be chance.
-        sure: evidence from which no second look is needed.
+        sure: evidence from which the closer look's windows are not asked as witnesses.
         reach: search range around a place predicted from the coarse step, pixels of the board.
         rules: of the fine measurements.
     """
@@ -266,6 +267,7 @@ class Registrar:
         p = turn.inverse(self.fine.to_source(at[keep]))
         q = self.fine.to_source(at[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep])
         found = refine(p, q, seen.similarity, max(self.fine.factor))
+        seen = self._witnessed(seen, at[keep][found.agree], at, window)
         if found.agree.sum() < 4:
             return seen
         middle = p[found.agree].mean(axis=0)
@@ -273,6 +275,17 @@ class Registrar:
         return replace(seen, similarity=found.similarity, shift=self._shift(found.similarity),
                        middle=(float(middle[0]), float(middle[1])), spread_px=spread, rms_px=found.rms_px,
                        shear=(found.shear.real, found.shear.imag), shear_error=min(UNKNOWN, found.shear_error))
+
+    def _witnessed(self, seen: Registration, agreeing: Floats, tried: Floats, window: int) -> Registration:
+        """A doubtful registration with the evidence of the closer look's windows; half of it counts, since they see
+        the same pixels as the first ones."""
+        if seen.evidence >= self.limits.sure:
+            return seen
+        unchecked = chance(NARROW, CLOSER_REACH) / VALID_BY_CHANCE
+        proof = seen.evidence + 0.5 * evidence(agreeing, tried, window, unchecked)
+        enough = proof >= self.limits.evidence and seen.agreed >= self.limits.windows
+        return replace(seen, evidence=proof, accepted=enough,
+                       reason="" if enough else f"only {seen.agreed} of {seen.tried} windows agree")
 
     def _refused(self, similarity: Similarity, reason: str, agreed: int = 0, tried: int = 0) -> Registration:
         return Registration(similarity, self._shift(similarity), agreed=agreed, tried=tried, reason=reason)

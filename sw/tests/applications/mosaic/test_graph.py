@@ -125,7 +125,7 @@ def _leaning(poses: dict[str, Similarity], a: str, b: str, lean: complex, rng: n
 
 @pytest.mark.parametrize("lean", [2e-4 + 0j, -2e-4j, 1e-4 + 1.5e-4j])
 def test_a_leaning_vehicle_keeps_its_heading(lean: complex) -> None:
-    """Five degrees at a focal length of 430 pixels: without the tilts the column bends by a degree an edge."""
+    """Five degrees at a focal length of 430 pixels: without the tilts the column bends by 0.7 degrees an edge."""
     rng = np.random.default_rng(41)
     poses = {str(k): Similarity.of(shift=(4.0 * (k % 2), -120.0 * k)) for k in range(8)}
     edges = [_leaning(poses, str(k), str(k + 1), lean, rng) for k in range(7)]
@@ -134,7 +134,7 @@ def test_a_leaning_vehicle_keeps_its_heading(lean: complex) -> None:
     turned = [solution.relative(str(k), str(k + 1)).rot_deg for k in range(7)]
     print(f"lean {lean}: a link is turned by {np.mean(raw):.2f} degrees, levelled {np.mean(turned):.2f}")
     assert abs(np.mean(turned)) < 0.15 and np.abs(turned).max() < 0.3
-    assert abs(np.mean(raw)) > 0.6 or lean.real == 0
+    assert abs(np.mean(raw)) >= 0.8 * np.degrees(60 * abs(lean.real)), "half the step times the lean"
 
 
 def test_the_motion_that_the_others_bear_out_is_used() -> None:
