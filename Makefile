@@ -14,7 +14,7 @@ PIP        := $(PY) -m pip --disable-pip-version-check --quiet
 
 .PHONY: help
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 $(VENV)/.installed: requirements.lock pyproject.toml
 	@sim/prerequisites.sh $(PYTHON)
@@ -79,6 +79,14 @@ speed: setup ## Searches of the golden board against OpenCV; frames a second of 
 .PHONY: tracks
 tracks: setup ## Tracks of clips that return to their start, clear and murky, against their known motion, held to bars
 	@PYTHONPATH=sw $(PY) -m tests.tracks
+
+.PHONY: links
+links: setup ## Links of real and rendered surveys against SIFT and truth, tilted and over relief, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.links
+
+.PHONY: navigate-bars
+navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars
+	@PYTHONPATH=sw $(PY) -m tests.localising
 
 .PHONY: compare
 compare: setup ## Signum beside Lucas-Kanade, DIS, ORB, SIFT, OpenCV's Stitcher and stereo on the same frames: out/compare/index.html (SEED=1; 10 minutes)

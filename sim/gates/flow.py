@@ -54,8 +54,8 @@ class GateOutcome:
 
 def command(item: GateItem) -> list[str]:
     """The call of pytest, or of the bench in Icarus, that an item is."""
-    if item.netlist.startswith("icarus"):
-        return [sys.executable, "-m", "sim.gates.icarus", *(["--routed"] if item.netlist == "icarus_routed" else [])]
+    if item.netlist != "synthesised":
+        return [sys.executable, "-m", "sim.gates.icarus", *(["--routed"] if item.netlist == "routed" else [])]
     path = f"cocotb_tests/{item.file}"
     return [sys.executable, "-m", "pytest", "-s", "-q", "-p", "no:cacheprovider",
             *([f"{path}::{test}" for test in item.tests] or [path])]

@@ -135,7 +135,8 @@ def run_routed() -> str:
     try:
         run(flipped(module, WRONG, HIGH), folder / "wrong")
     except SystemExit as failure:
-        print(f"with a wrong bit in the table before {WRONG}: {str(failure).splitlines()[-1]}")
+        said = re.findall(r"FATAL: \S+ (.*)", str(failure))
+        print(f"with a wrong bit in the table before {WRONG}: {said[0] if said else failure}")
         return last
     raise SystemExit(f"the bench does not notice a wrong bit in the look-up table before {WRONG}")
 

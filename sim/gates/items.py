@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Netlist = Literal["synthesised", "routed", "icarus", "icarus_routed"]
+Netlist = Literal["synthesised", "icarus", "routed"]
 
 
 @dataclass(frozen=True)
@@ -18,8 +18,8 @@ class GateItem:
         file: with the tests, within `cocotb_tests/`.
         tests: those of its pytest functions that run; all where it is empty.
         reason: why the others do not.
-        netlist: `synthesised`: as Yosys makes it, in Verilator. `routed`: as nextpnr places and routes it, in
-            Verilator. `icarus`, `icarus_routed`: the board's in Icarus, from all-X, with a bench instead of tests.
+        netlist: `synthesised`: as Yosys makes it, in Verilator. `icarus`, `routed`: the board's in Icarus, from all-X,
+            with a bench instead of tests, as Yosys makes it and as nextpnr places and routes it.
     """
 
     name: str
@@ -68,9 +68,7 @@ ITEMS = (
     GateItem("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
     GateItem("board_races", "test_board_races.py"),
     GateItem("board_icarus", "", netlist="icarus"),
-    GateItem("board_routed", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only",
-             netlist="routed"),
-    GateItem("board_routed_icarus", "", netlist="icarus_routed"),
+    GateItem("board_routed", "", netlist="routed"),
 )
 ELSEWHERE: dict[str, str] = {}
 """Files of `cocotb_tests/` that simulate and are in no item, with the reason."""

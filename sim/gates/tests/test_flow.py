@@ -29,10 +29,12 @@ def test_every_cocotb_test_has_an_item() -> None:
 
 
 def test_command() -> None:
-    """An item runs the pytest functions it names, or the whole file."""
+    """An item runs the pytest functions it names, or the whole file, or the bench in Icarus."""
     assert command(GateItem("a", "a/test_a.py"))[-1] == "cocotb_tests/a/test_a.py"
     assert command(GateItem("a", "test_a.py", ("test_b", "test_c"), "why"))[-2:] == [
         "cocotb_tests/test_a.py::test_b", "cocotb_tests/test_a.py::test_c"]
+    assert command(GateItem("a", "", netlist="icarus"))[1:] == ["-m", "sim.gates.icarus"]
+    assert command(GateItem("a", "", netlist="routed"))[1:] == ["-m", "sim.gates.icarus", "--routed"]
 
 
 def _log(tmp_path: Path, cells: int, tests: int) -> str:

@@ -101,7 +101,7 @@ class Session:
                             f"taken were at most {1e3 * self.source.oldest_s:.0f} ms old{lost}")
             if self.report is not None:
                 self.report()
-            if whole:
+            if whole and self.board.clocks:  # in a batch other boards measure
                 notes.print(clocks_line(self.board, self.done))
         if whole and self.summary is not None:
             out.print(self.summary())

@@ -9,7 +9,7 @@ import warnings
 import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -21,12 +21,15 @@ from PIL import UnidentifiedImageError
 
 from signum.common.arrays import Image
 from signum.common.checks import check_pixels, printable, read_bytes
+from signum.common.console import notes
 from signum.common.errors import SourceError
 from signum.frames.eight import EightBits
 
 PilImage.MAX_IMAGE_PIXELS = None  # `check_pixels` has a limit of its own
 PNG = b"\x89PNG\r\n\x1a\n"
 TIFF = b"II", b"MM"
+SLIGHTLY = 0.05
+"""Share of its width or height by which a single picture may be larger or smaller than the first."""
 # A user gets one line for a picture that cannot be read: OpenCV's own, of odd TIFF tags or depths, would hide it.
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
@@ -81,15 +84,23 @@ class Source(ABC):
     def _frames(self) -> Iterator[Frame]: ...
 
     def __iter__(self) -> Iterator[Frame]:
-        """The frames, in order.
+        """The frames, in order. Of single pictures, those that differ slightly in size from the first one are cut, or
+        continued by their outermost pixels, to its size, on opposite sides alike: scans of one camera do, and a pixel
+        covers as much in all of them.
 
         Raises:
             SourceError: at the first frame that cannot be used, after the ones before it.
         """
         first: Frame | None = None
+        told = False
         for frame in self._frames():
             first = first or frame
             check_pixels(*frame.size, f"{self.label}: frame {frame.name}", SourceError)
+            if frame.size != first.size and self.snapshots and _slightly(frame.size, first.size):
+                if not told:
+                    notes.print(f"{self.label}: frame {frame.name} is {size_text(frame.size)}, frame {first.name} is "
+                                f"{size_text(first.size)}: such frames are cut or continued to the size of the first")
+                told, frame = True, replace(frame, picture=fitted(frame.picture, first.size))
             if frame.size != first.size:
                 raise SourceError(
                     f"{self.label}: frame {frame.name} is {size_text(frame.size)}, frame {first.name} is "
@@ -98,6 +109,21 @@ class Source(ABC):
             yield frame
         if first is None:
             raise SourceError(f"{self.label}: no frames in it; give a folder of pictures or a video that plays")
+
+
+def _slightly(size: tuple[int, int], first: tuple[int, int]) -> bool:
+    return all(abs(a - b) <= SLIGHTLY * b for a, b in zip(size, first, strict=True))
+
+
+def fitted(picture: Image, size: tuple[int, int]) -> Image:
+    """A picture cut, or continued by its outermost pixels, about its middle, to a size (width, height)."""
+    more = [n - m for n, m in zip(size, picture.shape[1::-1], strict=True)]
+    before = [n // 2 for n in more]
+    left, top = (max(0, -n) for n in before)
+    cut = picture[top:top + min(size[1], picture.shape[0]), left:left + min(size[0], picture.shape[1])]
+    left, top = (max(0, n) for n in before)
+    return np.asarray(cv2.copyMakeBorder(cut, top, size[1] - cut.shape[0] - top, left, size[0] - cut.shape[1] - left,
+                                         cv2.BORDER_REPLICATE), np.uint8)
 
 
 def grey(picture: Image) -> Image:

@@ -7,8 +7,10 @@
 2. Fine: windows of the chosen size cover the predicted overlap of the pictures at the board's resolution. Each is
    searched for near its predicted place and validated by itself; a similarity is fitted to the valid ones by robust
    least squares.
-3. Accepted is a similarity that enough windows agree on, and a good share of all windows that should have: a few wrong
-   matches may agree by chance, many never do.
+3. Accepted is a similarity for which there is enough evidence: that windows which agree would agree by chance must be
+   unlikely, given how many were tried, over which areas, within which distance (`likelihood`). Where that is doubtful,
+   other windows are asked in a second look. A pair that shows several depths, or a scene that repeats itself, has
+   several such motions: the others are its rivals, between which only other pairs can decide.
 
 With a good guess (a video), the coarse step is left out. Between the two steps the board changes size: a measurer made
 for one of them ends the one before, whose views are dropped with it.
@@ -26,7 +28,9 @@ import numpy as np
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
-from signum.measure.measurer import Measurer, Query, View
+from signum.measure.agree import Found, Motion, motions
+from signum.measure.measurer import Measurement, Measurer, Query, View
+from signum.measure.refine import refine
 from signum.measure.validity import Reason, Rules
 
 COARSE_SIDE = 160
@@ -38,6 +42,16 @@ COARSE_GRID = (7, 6)
 """Number of coarse windows across and down."""
 COARSE_REACH = 20
 """Search range of a second coarse vote around what the first one found, pixels of the coarse picture."""
+CLOSER = 0.75
+"""Side of the windows of the closer look, of those of the first."""
+CLOSER_REACH = 8
+"""Its search range, pixels of the board."""
+CLOSER_MOST = 96
+"""Most of its windows."""
+CLOSER_RULES = Rules(min_score=0.6, min_margin=0.0, backward=False, texture=False)
+"""Rules of the closer look, in which windows are where they are known to be."""
+UNKNOWN = 1e9
+"""Standard error of a shear that was not measured."""
 ANYTHING = Rules(min_score=0.0, min_margin=-1.0, backward=False, texture=False)
 """Rules of the coarse search: every window may vote."""
 
@@ -57,10 +71,10 @@ class RegistrationLimits:
             picture.
         rival_votes: number of coarse windows from which another place is tried too; if both match, neither is accepted.
         rival_share: share of the winning number from which it is tried.
-        fine_miss: as `coarse_miss`, of fine windows, as a fraction of their side: relief displaces them.
+        fine_miss: half the distance, as a fraction of the fine windows' side, at which two places are different ones.
         windows: least number of agreeing fine windows.
-        share: least share of the fine windows in the overlap that must agree. Relief displaces windows of right pairs
-            by more than `fine_miss`, down to a share of 0.3; wrong pairs of real surveys stay below 0.15.
+        evidence: least evidence for a similarity, decades; see `likelihood`. One link in a thousand may be chance.
+        sure: evidence from which no second look is needed.
         reach: search range around a place predicted from the coarse step, pixels of the board.
         rules: of the fine measurements.
     """
@@ -76,9 +90,25 @@ class RegistrationLimits:
     rival_share: float = 0.4
     fine_miss: float = 0.08
     windows: int = 4
-    share: float = 0.4
+    evidence: float = 3.0
+    sure: float = 6.0
     reach: int = 18
     rules: Rules = field(default_factory=lambda: Rules(min_score=0.6, min_margin=0.01, max_return_px=2.0))
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another motion between two pictures; the attributes are those of `Registration`."""
+
+    similarity: Similarity
+    score: float
+    margin: float
+    agreed: int
+    turning: bool
+    middle: tuple[float, float]
+    spread_px: float
+    rms_px: float
+    evidence: float
 
 
 @dataclass(frozen=True)
@@ -98,6 +128,10 @@ class Registration:
         middle: centroid of the agreeing windows, original pixels of a; the picture's centre where there are none.
         spread_px: their root-mean-square distance from it, original pixels.
         rms_px: of their distances from their places by the similarity, original pixels.
+        evidence: that they agree for another reason than chance, decades.
+        rivals: other motions that enough windows agree on, the best first.
+        shear, shear_error: real and imaginary part of the shear beside the similarity, and their standard error; see
+            `refine`. Infinite where it was not measured.
     """
 
     similarity: Similarity
@@ -112,6 +146,10 @@ class Registration:
     middle: tuple[float, float] = (0.0, 0.0)
     spread_px: float = 0.0
     rms_px: float = 0.0
+    evidence: float = 0.0
+    rivals: tuple[Rival, ...] = ()
+    shear: tuple[float, float] = (0.0, 0.0)
+    shear_error: float = UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -201,12 +239,40 @@ class Registrar:
         return math.dist(one.shift, other.shift) > self.limits.fine_miss * 2 * self.window * max(self.fine.factor)
 
     def _around(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
-        """The fine step around a guess and, if it does not succeed, around its own result."""
+        """The fine step around a guess and, if it does not succeed, around its own result; then a closer look."""
         result = self._finely(a, b, guess, reach)
         if not result.accepted and result.agreed >= 3:  # with a better rotation, more windows may match
             again = self._finely(a, b, result.similarity, self.limits.reach)
-            result = again if again.agreed > result.agreed else result
-        return result
+            result = again if again.evidence > result.evidence else result
+        return self._closer(a, b, result) if result.agreed >= self.limits.windows else result
+
+    def _closer(self, a: Prepared, b: Prepared, seen: Registration) -> Registration:
+        """The registration with the motion that many small windows around it agree on, if they do.
+
+        They are also witnesses of their own: few of them agree by chance.
+        """
+        measurer, (view, turn) = self._warped(a, self._turn(seen.similarity))
+        onward = seen.similarity @ turn.inverse
+        window = max(24, round(CLOSER * self.window))
+        centres = self._inside(onward, turn, window, CLOSER_MOST)
+        if len(centres) < 4:
+            return seen
+        live = measurer.view(b.fine)
+        at, answers = self._search(measurer, view, live, centres, onward, window, CLOSER_REACH, CLOSER_RULES)
+        measurer.release(live)
+        keep = [i for i, m in enumerate(answers) if m.valid]
+        if len(keep) < 4:
+            return seen
+        p = turn.inverse(self.fine.to_source(at[keep]))
+        q = self.fine.to_source(at[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep])
+        found = refine(p, q, seen.similarity, max(self.fine.factor))
+        if found.agree.sum() < 4:
+            return seen
+        middle = p[found.agree].mean(axis=0)
+        spread = float(np.sqrt(((p[found.agree] - middle) ** 2).sum(axis=1).mean()))
+        return replace(seen, similarity=found.similarity, shift=self._shift(found.similarity),
+                       middle=(float(middle[0]), float(middle[1])), spread_px=spread, rms_px=found.rms_px,
+                       shear=(found.shear.real, found.shear.imag), shear_error=min(UNKNOWN, found.shear_error))
 
     def _refused(self, similarity: Similarity, reason: str, agreed: int = 0, tried: int = 0) -> Registration:
         return Registration(similarity, self._shift(similarity), agreed=agreed, tried=tried, reason=reason)
@@ -286,47 +352,62 @@ class Registrar:
         back = level.to_board(turn.inverse(level.to_source(corners)))
         return bool(((back >= 0) & (back <= np.array(level.board) - 1)).all())
 
-    def _finely(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
-        measurer = self._measurer or self._make(self.fine.board, self.sigma)
-        turn = self._turn(guess)
-        reference = self._reference
+    def _warped(self, a: Prepared, turn: Similarity) -> tuple[Measurer, tuple[View, Similarity]]:
+        """The measurer of the fine step, and its view of a picture warped by `turn`."""
+        measurer, reference = self._measurer or self._make(self.fine.board, self.sigma), self._reference
         if self._measurer is None or reference is None or reference[0] is not a or reference[1] != turn:
             if reference is not None and self._measurer is not None:
                 measurer.release(reference[2])
             reference = (a, turn, measurer.view(_warp(a.fine, self.fine, turn)))
         self._measurer, self._reference = measurer, reference
+        return measurer, (reference[2], turn)
+
+    def _search(self, measurer: Measurer, view: View, live: View, centres: Sequence[tuple[int, int]],
+                onward: Similarity, window: int, reach: int, rules: Rules) -> tuple[Floats, list[Measurement]]:
+        """Centres of windows, and where each is found around the place that `onward` predicts."""
+        at = np.array(centres, np.float64)
+        ahead = self.fine.to_board(onward(self.fine.to_source(at))) - at
+        return at, measurer.measure(
+            [Query(view, live, x, y, window, window, (float(d[0]), float(d[1])), (reach, reach))
+             for (x, y), d in zip(centres, ahead, strict=True)], rules)
+
+    def _finely(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
+        measurer, (view, turn) = self._warped(a, self._turn(guess))
         onward = guess @ turn.inverse
         window, centres = self._overlap(onward, turn)
         if len(centres) < 2:
             return self._refused(guess, "hardly any overlap", tried=len(centres))
         live = measurer.view(b.fine)
-        at = np.array(centres, np.float64)
-        ahead = self.fine.to_board(onward(self.fine.to_source(at))) - at
-        answers = measurer.measure(
-            [Query(reference[2], live, x, y, window, window, (float(d[0]), float(d[1])), (reach, reach))
-             for (x, y), d in zip(centres, ahead, strict=True)], self.limits.rules)
+        at, answers = self._search(measurer, view, live, centres, onward, window, reach, self.limits.rules)
         measurer.release(live)
-        tried = sum(m.reason is not Reason.TEXTURE for m in answers)
-        keep = [i for i, m in enumerate(answers) if m.valid]
+        tried = [i for i, m in enumerate(answers) if m.reason is not Reason.TEXTURE]
+        keep = [i for i in tried if answers[i].valid]
         if len(keep) < 2:
-            return self._refused(guess, f"only {len(keep)} of {tried} windows match", len(keep), tried)
+            return self._refused(guess, f"only {len(keep)} of {len(tried)} windows match", len(keep), len(tried))
         p = self.fine.to_source(at[keep])
         q = self.fine.to_source(at[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep])
-        tolerance = self.limits.fine_miss * window * max(self.fine.factor)
-        start, _ = vote(p, q, tolerance, self.limits.rot_deg, self.limits.zoom, 0.75 * window)
-        result = fit(p, q, start, tolerance)
-        agreeing = [answers[i] for i, good in zip(keep, result.agree, strict=True) if good]
-        agreed, reason = len(agreeing), ""
-        if agreed < self.limits.windows or agreed < self.limits.share * tried:
-            reason = f"only {agreed} of {tried} windows agree"
-        similarity = result.similarity @ turn
-        back = turn.inverse(p[result.agree]) if agreed else self.centre[None, :]
+        found = Found(p, q, at[keep], at[tried], window, reach, max(self.fine.factor))
+        best, *others = [self._rival(motion, p, [answers[i] for i in keep], turn) for motion in
+                         motions(found, self.limits.rot_deg, self.limits.zoom, self.limits.evidence)]
+        return self._judged(best, len(tried), tuple(others))
+
+    def _judged(self, best: Rival, tried: int, others: tuple[Rival, ...] = ()) -> Registration:
+        """A motion as a registration, accepted if there is enough evidence for it."""
+        enough = best.agreed >= self.limits.windows and best.evidence >= self.limits.evidence
+        reason = "" if enough else f"only {best.agreed} of {tried} windows agree"
+        return Registration(best.similarity, self._shift(best.similarity), best.score, best.margin, best.agreed, tried,
+                            enough, reason, best.turning, best.middle, best.spread_px, best.rms_px, best.evidence,
+                            others)
+
+    def _rival(self, motion: Motion, p: Floats, answers: Sequence[Measurement], turn: Similarity) -> Rival:
+        """A motion of windows at `p` of a picture warped by `turn`, in pixels of the picture itself."""
+        agreeing = [m for m, good in zip(answers, motion.agree, strict=True) if good]
+        back = turn.inverse(p[motion.agree]) if agreeing else self.centre[None, :]
         middle = back.mean(axis=0)
-        return Registration(similarity, self._shift(similarity),
-                            float(np.median([m.score for m in agreeing])) if agreeing else 0.0,
-                            float(np.median([m.margin for m in agreeing])) if agreeing else 0.0,
-                            agreed, tried, not reason, reason, result.turning, (float(middle[0]), float(middle[1])),
-                            float(np.sqrt(((back - middle) ** 2).sum(axis=1).mean())), result.rms_px)
+        return Rival(motion.similarity @ turn, float(np.median([m.score for m in agreeing])) if agreeing else 0.0,
+                     float(np.median([m.margin for m in agreeing])) if agreeing else 0.0, len(agreeing), motion.turning,
+                     (float(middle[0]), float(middle[1])),
+                     float(np.sqrt(((back - middle) ** 2).sum(axis=1).mean())), motion.rms_px, motion.evidence)
 
     def _overlap(self, guess: Similarity, turn: Similarity) -> tuple[int, list[tuple[int, int]]]:
         """The largest window side, not above the chosen one, of which enough fit the overlap; and their centres."""
@@ -338,8 +419,8 @@ class Registrar:
                 return window, centres
             window = smaller
 
-    def _inside(self, guess: Similarity, turn: Similarity, window: int) -> list[tuple[int, int]]:
-        """Centres of windows that lie in a and, by the guess, in b; thinned to about two dozen."""
+    def _inside(self, guess: Similarity, turn: Similarity, window: int, most: int = 24) -> list[tuple[int, int]]:
+        """Centres of windows that lie in a and, by the guess, in b; thinned to about `most`."""
         width, height = self.fine.board
         across, down = (max(1, 1 + math.ceil(2 * (n - window) / window)) for n in (width, height))
         centres = _grid([window, window], [width, height], (across, down))
@@ -349,7 +430,7 @@ class Registrar:
         inside = np.all((ahead >= room) & (ahead <= np.array([width, height]) - 1 - room), axis=1).tolist()
         kept = [c for c, good in zip(centres, inside, strict=True)
                 if good and self._seen(self.fine, turn, c, (window, window))]
-        step = max(1, len(kept) / 24)
+        step = max(1, len(kept) / most)
         return [kept[int(i * step)] for i in range(int(len(kept) / step))]
 
 

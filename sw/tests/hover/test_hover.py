@@ -11,7 +11,8 @@ from tests.hover.clips import Clip
 
 
 @pytest.mark.parametrize("clip", [Clip("gravel", "pushed", 31, 50, blind=(18, 24)),
-                                  Clip("world:brick", "occluded", 32, 36, blind=(20, 28))],
+                                  Clip("world:brick", "occluded", 32, 36, blind=(20, 28)),
+                                  Clip("brick", "pushed", 7, 60, blind=(24, 40))],
                          ids=lambda clip: clip.name)
 def test_a_hover_holds_and_recovers(clip: Clip) -> None:
     with GoldenBoard() as board:

@@ -85,13 +85,13 @@ def test_mirrored_neighbours_of_real_surveys_are_refused(run: str) -> None:
         pytest.skip(f"no {SHARED / run} on this machine")
     frames = [frame.picture for frame in open_source(SHARED / run)]
     registrar = _registrar((frames[0].shape[1], frames[0].shape[0]))
-    shares = []
+    proof = []
     for a, b in pairwise(frames):
         found = registrar.register(registrar.prepare(a), registrar.prepare(np.ascontiguousarray(b[:, ::-1])))
-        shares.append(found.agreed / max(found.tried, 1))
-        assert not found.accepted, shares
-    print(f"{run}: of the windows of {len(shares)} wrong pairs at most {max(shares):.2f} agree")
-    assert len(shares) >= 7 and max(shares) <= 0.5 * registrar.limits.share
+        proof.append(found.evidence)
+        assert not found.accepted, proof
+    print(f"{run}: evidence for {len(proof)} wrong pairs at most {max(proof):.1f} decades")
+    assert len(proof) >= 7 and max(proof) <= 0.5 * registrar.limits.evidence
 
 
 def test_a_guess_saves_the_search_and_a_wrong_one_is_refused() -> None:

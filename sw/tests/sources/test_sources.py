@@ -135,13 +135,24 @@ def test_bad_input_is_one_line_that_names_the_file(tmp_path: Path, kind: str, sa
 
 
 def test_frames_of_different_sizes_are_named_when_their_turn_comes(tmp_path: Path) -> None:
-    for name, size in (("1", (64, 48)), ("2", (64, 48)), ("3", (64, 50))):
+    for name, size in (("1", (64, 48)), ("2", (64, 48)), ("3", (64, 54))):
         write_picture(tmp_path / f"{name}.png", _picture(*size))
     seen = []
-    with pytest.raises(SourceError, match="frame 3 is 64x50, frame 1 is 64x48"):
+    with pytest.raises(SourceError, match="frame 3 is 64x54, frame 1 is 64x48"):
         for frame in open_source(tmp_path):
             seen.append(frame.name)
     assert seen == ["1", "2"]
+
+
+def test_frames_of_slightly_different_sizes_are_cut_or_continued(tmp_path: Path) -> None:
+    """Scans of one camera differ by a few pixels; what lies about the middle stays where it is."""
+    whole = np.random.default_rng(0).integers(0, 256, (50, 66), dtype=np.uint8)
+    for name, part in (("1", whole[1:49, 1:65]), ("2", whole), ("3", whole[2:48, 2:64])):
+        write_picture(tmp_path / f"{name}.png", np.ascontiguousarray(part))
+    first, larger, smaller = (frame.picture for frame in open_source(tmp_path))
+    assert np.array_equal(larger, first)
+    assert smaller.shape == first.shape and np.array_equal(smaller[1:-1, 1:-1], first[1:-1, 1:-1])
+    assert np.array_equal(smaller[0], smaller[1]) and np.array_equal(smaller[:, -1], smaller[:, -2])
 
 
 def test_two_pictures_of_one_name(tmp_path: Path) -> None:

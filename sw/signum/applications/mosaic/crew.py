@@ -9,6 +9,7 @@ same whoever measures them. A worker that is lost costs what it was at work on, 
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 from abc import ABC, abstractmethod
@@ -40,6 +41,8 @@ HELD_BYTES = 128_000_000
 """Memory of a worker for the frames it has read."""
 TRIES = 5
 """Times that a share of the questions is handed out before it is given up, as its workers are lost each time."""
+ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}")
+"""Of a scheduler."""
 BEAT_S = 0.3
 """How long a command waits for answers before it looks whether it is to stop, seconds."""
 Answers = list[Registration]
@@ -255,13 +258,16 @@ class Cluster(Crew):
     """
 
     def __init__(self, bench: Bench, address: str, patience_s: float = 20.0) -> None:
+        if not ADDRESS.fullmatch(address):
+            raise SignumError(f"--scheduler {address}: expected tcp://HOST:PORT")
         try:
             from distributed import Client
         except ModuleNotFoundError as error:
             raise lacking("cluster", error) from error
         self._bench = bench
         try:
-            self._client: Any = Client(address, timeout=patience_s, set_as_default=False)
+            make: Any = Client  # whose constructor has no types
+            self._client = make(address, timeout=patience_s, set_as_default=False)
             self._client.wait_for_workers(1, timeout=patience_s)
         except (OSError, TimeoutError, ValueError) as error:
             raise SignumError(f"--scheduler {address}: no Dask scheduler with workers answers there: start `dask "
@@ -281,7 +287,8 @@ class Cluster(Crew):
 
     def close(self) -> None:
         """See `Crew`."""
-        self._client.close(timeout=1)
+        if self._client.status != "closed":
+            self._client.close(timeout=1)
 
 
 def shared_out(questions: Sequence[Key], workers: int) -> list[Sequence[Key]]:

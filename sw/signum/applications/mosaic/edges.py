@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from signum.geometry.similarity import Similarity
-from signum.measure.register import Registration
+from signum.measure.register import UNKNOWN, Registration, Rival
 
 SEQUENCE = "sequence"
 """Kind of an edge to the frame stored last, or one of the few before it."""
@@ -27,7 +27,8 @@ class Edge:
     Attributes:
         similarity: original pixels of a -> of b.
         centre: of the frames, original pixels; `shift` of the table is measured there.
-        middle, spread_px, rms_px, score, margin, agreed, tried, accepted, reason: see `Registration`.
+        middle, spread_px, rms_px, score, margin, agreed, tried, accepted, reason, evidence: see `Registration`.
+        shear, shear_error, rivals: the same.
         spread_px: 0 where rotation and scale were not measured.
     """
 
@@ -45,12 +46,34 @@ class Edge:
     agreed: int = 0
     tried: int = 0
     reason: str = ""
+    evidence: float = 0.0
+    shear: tuple[float, float] = (0.0, 0.0)
+    shear_error: float = UNKNOWN
+    rivals: tuple[Rival, ...] = ()
 
     @classmethod
     def of(cls, a: str, b: str, kind: str, centre: tuple[float, float], r: Registration, reason: str = "") -> Edge:
         """From a registration of frame `a` in frame `b`; a `reason` refuses what the registrar accepted."""
         return cls(a, b, kind, r.similarity, centre, r.score, r.margin, r.accepted and not reason, r.middle,
-                   r.spread_px if r.turning else 0.0, r.rms_px, r.agreed, r.tried, reason or r.reason)
+                   r.spread_px if r.turning else 0.0, r.rms_px, r.agreed, r.tried, reason or r.reason, r.evidence,
+                   r.shear, r.shear_error if r.turning else UNKNOWN, r.rivals)
+
+    @property
+    def sheared(self) -> bool:
+        """Whether the shear was measured."""
+        return self.shear_error < UNKNOWN
+
+    def switched(self, number: int) -> Edge:
+        """The edge by the rival of this number, from 1, which has this edge's motion as its own rival; itself for 0."""
+        if number == 0:
+            return self
+        r = self.rivals[number - 1]
+        own = Rival(self.similarity, self.score, self.margin, self.agreed, self.spread_px > 0, self.middle,
+                    self.spread_px, self.rms_px, self.evidence)
+        others = (own, *(other for other in self.rivals if other is not r))
+        return replace(self, similarity=r.similarity, score=r.score, margin=r.margin, agreed=r.agreed, middle=r.middle,
+                       spread_px=r.spread_px if r.turning else 0.0, rms_px=r.rms_px, evidence=r.evidence,
+                       shear=(0.0, 0.0), shear_error=UNKNOWN, rivals=others)
 
     @property
     def shift(self) -> tuple[float, float]:

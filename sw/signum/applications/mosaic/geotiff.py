@@ -7,14 +7,15 @@ mosaic that is north up fully. Overviews are pages of reduced resolution behind 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import tifffile
 
-from signum.applications.mosaic.blend import Mosaic
+from signum.applications.mosaic.blend import BLOCK, Mosaic
+from signum.applications.mosaic.blocks import BlockSource, Spill, halve
 from signum.applications.mosaic.cog import arrange
 from signum.applications.mosaic.georeference import Georeference, world_of
 from signum.common.arrays import Image
@@ -28,6 +29,8 @@ PROJECTED_MODEL, PIXEL_IS_AREA, USER_DEFINED, METRE = 1, 1, 32767, 9001
 """Values of GeoKeys."""
 TILE = 256
 """Side of the tiles, pixels; the smallest overview fits into one."""
+CLASSIC_BYTES = 2_500_000_000
+"""From this size of the picture on, uncompressed, the file is a BigTIFF, whose offsets have 64 bits."""
 
 
 def write_world_file(path: Path, mosaic: Mosaic, geo: Georeference) -> None:
@@ -46,16 +49,66 @@ def write_geotiff(path: Path, mosaic: Mosaic, geo: Georeference, cog: bool = Fal
         cog: lay the file out as a Cloud Optimized GeoTIFF; see `cog.arrange`.
     """
     picture: Image = mosaic.picture if mosaic.picture.ndim == 2 else np.ascontiguousarray(mosaic.picture[:, :, ::-1])
-    kind: dict[str, Any] = {"photometric": "minisblack" if picture.ndim == 2 else "rgb", "compression": "zlib",
-                            "tile": (TILE, TILE), "metadata": None}
+    _write(path, ((level, level.shape) for level in (picture, *overviews(picture))), _ground_tags(mosaic, geo), cog,
+           picture.nbytes)
+
+
+def write_geotiff_blocks(path: Path, source: BlockSource, geo: Georeference, cog: bool = False, block: int = BLOCK
+                         ) -> None:
+    """The same of a mosaic that is made block by block, in memory for a few rows of blocks; for a while the disk holds
+    the mosaic uncompressed.
+
+    Args:
+        path: of the file.
+        source: of the picture.
+        geo: its place.
+        cog: see `write_geotiff`.
+        block: side of the blocks, pixels.
+    """
+    def levels() -> Iterator[tuple[Iterator[Image], tuple[int, ...]]]:
+        level = Spill.of(source, path.parent, block)
+        while True:
+            with level:
+                yield level.tiles(TILE), level.shape
+                if max(level.shape[:2]) <= TILE:
+                    return
+                smaller = level.halved(path.parent)
+            level = smaller
+
+    pixels = source.size[0] * source.size[1] * (1 if source.grey else 3)
+    _write(path, levels(), _ground_tags(extent_of(source), geo), cog, pixels)
+
+
+def extent_of(source: BlockSource) -> Mosaic:
+    """A mosaic of its size and place, without its picture."""
+    return Mosaic(np.broadcast_to(np.zeros((), np.uint8), source.size[::-1]), source.origin, source.scale)
+
+
+def _write(path: Path, levels: Iterable[tuple[Image | Iterator[Image], tuple[int, ...]]],
+           tags: list[tuple[int, str, int, Any, bool]], cog: bool, size: int) -> None:
+    """Write the picture and its overviews.
+
+    Args:
+        path: of the file.
+        levels: the picture, or its tiles, and its shape; its overviews.
+        tags: of the picture's place.
+        cog: see `write_geotiff`.
+        size: bytes of the picture, uncompressed.
+    """
     no_data = (NO_DATA, "s", 0, "0", True)
     with replacing(path) as half:
-        with tifffile.TiffWriter(half, bigtiff=picture.nbytes > 2_500_000_000 and not cog) as file:
-            file.write(picture, extratags=[*_ground_tags(mosaic, geo), no_data], **kind)
-            for smaller in overviews(picture):
-                file.write(smaller, subfiletype=1, extratags=[no_data], **kind)
-        if cog:
-            half.write_bytes(arrange(half.read_bytes()))
+        flat = half.with_name(f"{half.name}.flat") if cog else half
+        try:
+            with tifffile.TiffWriter(flat, bigtiff=size > CLASSIC_BYTES) as file:
+                for number, (data, shape) in enumerate(levels):
+                    file.write(data, shape=shape, dtype=np.uint8, tile=(TILE, TILE), compression="zlib", metadata=None,
+                               photometric="minisblack" if len(shape) == 2 else "rgb", subfiletype=int(number > 0),
+                               extratags=[no_data] if number else [*tags, no_data], maxworkers=1)
+            if cog:
+                arrange(flat, half)
+        finally:
+            if cog:
+                flat.unlink(missing_ok=True)
 
 
 def _ground_tags(mosaic: Mosaic, geo: Georeference) -> list[tuple[int, str, int, Any, bool]]:
@@ -71,18 +124,8 @@ def _ground_tags(mosaic: Mosaic, geo: Georeference) -> list[tuple[int, str, int,
 
 
 def overviews(picture: Image) -> Iterator[Image]:
-    """A picture, uint8 (H, W) or (H, W, 3), at half its size, at a quarter and so on until it fits into a tile.
-
-    A pixel is the mean of the up to four that it covers, without those where there is no picture, which are 0.
-    """
+    """A picture, uint8 (H, W) or (H, W, 3), at half its size, at a quarter and so on until it fits into a tile; see
+    `halve`."""
     while max(picture.shape[:2]) > TILE:
-        size = tuple((side + 1) // 2 for side in picture.shape[:2])
-        total, count = np.zeros((*size, *picture.shape[2:]), np.uint16), np.zeros(size, np.uint16)
-        for down, right in ((0, 0), (0, 1), (1, 0), (1, 1)):
-            part = picture[down::2, right::2]
-            here = slice(part.shape[0]), slice(part.shape[1])
-            total[here] += part
-            count[here] += part > 0 if part.ndim == 2 else (part > 0).any(axis=2)
-        number = np.maximum(count, 1) if picture.ndim == 2 else np.maximum(count, 1)[:, :, None]
-        picture = ((total + number // 2) // number).astype(np.uint8)
+        picture = halve(picture)
         yield picture

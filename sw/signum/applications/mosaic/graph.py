@@ -9,8 +9,12 @@ pixels of a to pixels of b. With c the centroid of its windows and s their sprea
 
 whose squares are, to first order, the mean square over its windows. Both are analytic in the poses, so Gauss-Newton
 runs on complex sparse matrices with half the unknowns. They are measured in pixels of frame b, not of the plane: in the
-plane the fit would reduce its residuals by shrinking frames that do not agree. Edges that contradict the others lose
-weight (Geman-McClure, in units of the usual misfit).
+plane the fit would reduce its residuals by shrinking frames that do not agree. Edges are levelled first (`level`).
+
+Edges that contradict the others lose weight (Geman-McClure, in units of the usual misfit). The scale of the weights
+begins wide and narrows, so that a gross error does not decide which edges it is that contradict (graduated
+non-convexity: Yang et al., RA-L 2020). Of an edge with rivals, the motion that fits the poses best takes part
+(max-mixture: Olson and Agarwal, IJRR 2013).
 """
 
 from __future__ import annotations
@@ -24,6 +28,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from signum.applications.mosaic.edges import Edge
+from signum.applications.mosaic.level import level, tilts
 from signum.common.arrays import Complexes, Floats
 from signum.geometry.similarity import IDENTITY, Similarity
 
@@ -35,6 +40,10 @@ LEAST_SPREAD = 0.05
 """Spread assumed for edges without a measured rotation, as a fraction of the frame: enough to fix the angle."""
 ROBUST = 3.0
 """Default of `outvoted` in `solve_graph`."""
+PARALLAX = 0.01
+"""Error of an edge by relief, as a share of its displacement: what the windows have in common."""
+WIDENED = 6
+"""Steps in which the scale of the robust weights comes down from 2 to this power."""
 MOST_STEPS = 40
 """Most Gauss-Newton steps."""
 CONVERGED = 1e-3
@@ -48,6 +57,8 @@ class Solution:
     Attributes:
         places: pixels of each frame -> plane of the first; only of frames connected to it.
         weights: of the edges given, in order, 0..1; low where the others contradict an edge.
+        chosen: of the same, the number of the rival that takes part, from 1; 0 for the edge's own motion.
+        lean: tilt of each frame, per pixel; see `level`.
         misfit_px: of the same edges, pixels of frame b.
         usual: median misfit of the edges in units of their predicted one, at least 1; 1 without redundant edges.
     """
@@ -56,6 +67,8 @@ class Solution:
     weights: Floats
     misfit_px: Floats
     usual: float
+    chosen: list[int] = field(default_factory=list)
+    lean: dict[str, complex] = field(default_factory=dict)
     _names: dict[str, int] = field(default_factory=dict, repr=False)
     _factor: SuperLU | None = field(default=None, repr=False)
 
@@ -119,39 +132,101 @@ def solve_graph(first: str, edges: Sequence[Edge], size: tuple[int, int],
         outvoted: misfit at which an edge has a quarter of its weight, in units of the usual misfit.
         most_steps: Gauss-Newton steps at most.
     """
+    lean = tilts(edges, size)
+    given, edges = edges, level(edges, lean)
     tree = chain(first, edges)
     if start and first in start:
         origin = start[first].inverse
         tree = {name: origin @ start[name] if name in start else place for name, place in tree.items()}
     held = [k for k, edge in enumerate(edges) if edge.frame_a in tree]
     names = {name: i for i, name in enumerate(tree)}
-    weights, misfits = np.ones(len(edges)), np.zeros(len(edges))
+    weights, misfits, chosen = np.ones(len(edges)), np.zeros(len(edges)), [0] * len(edges)
     if len(names) < 2:
-        return Solution(dict(tree), weights, misfits, 1.0, names)
-    system = _System([edges[k] for k in held], names, size)
+        return Solution(dict(tree), weights, misfits, 1.0, chosen, lean, names)
     poses = np.array([v for place in tree.values() for v in (place.factor, place.shift)])
-    robust, usual = np.ones(len(held)), 1.0
-    factor: SuperLU | None = None
-    for turn in range(most_steps):
-        residual, matrix = system.linear(poses)
-        claimed = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) * system.precision / 4)
-        usual = max(1.0, float(np.median(claimed)) / 0.92) if system.redundant else 1.0
-        # All edges have full weight at first: robust weights need approximate poses.
-        robust = 1 / (1 + (claimed / (outvoted * usual)) ** 2) ** 2 if turn > 1 and system.redundant else robust
-        power = np.repeat(system.precision * robust, 2)
-        weighted = matrix.conj().T.multiply(power).tocsc()
-        # The order and the pivots of a symmetric matrix: a tenth of the time, at 2,000 frames, of those of any other.
-        factor = splu(csc_matrix(weighted @ matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
-                      options={"SymmetricMode": True})
-        step = np.concatenate([np.zeros(2, np.complex128), -factor.solve(weighted @ residual)])
-        poses = poses + step
-        if turn > 4 and float(np.abs(step[1::2]).max()) < CONVERGED:
-            break
-    residual, _ = system.linear(poses)
-    weights[held] = robust
-    misfits[held] = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) / 2)
+    run = _Descent([edges[k] for k in held], [given[k] for k in held], names, size, outvoted)
+    poses = run.descend(poses, most_steps)
+    weights[held], misfits[held] = run.robust, run.misfits(poses)
+    for k, number in zip(held, run.chosen, strict=True):
+        chosen[k] = number
     places = {name: Similarity(complex(poses[2 * i]), complex(poses[2 * i + 1])) for name, i in names.items()}
-    return Solution(places, weights, misfits, usual, names, factor)
+    return Solution(places, weights, misfits, run.usual, chosen, lean, names, run.factor)
+
+
+class _Descent:
+    """Robust Gauss-Newton, in which edges switch to the rivals that the poses bear out."""
+
+    def __init__(self, edges: list[Edge], given: list[Edge], names: Mapping[str, int], size: tuple[int, int],
+                 outvoted: float) -> None:
+        self._edges, self._own, self._given = list(edges), edges, given
+        self._names, self._size, self._outvoted = names, size, outvoted
+        self._system = _System(edges, names, size)
+        self.chosen = [0] * len(edges)
+        self.robust, self.usual = np.ones(len(edges)), 1.0
+        self.factor: SuperLU | None = None
+
+    def descend(self, poses: Complexes, most_steps: int) -> Complexes:
+        """The poses of least squares, from some, in so many steps at most."""
+        power = self._system.precision
+        for turn in range(most_steps):
+            residual, matrix = self._system.linear(poses)
+            power = self._weigh(residual, turn)
+            weighted = matrix.conj().T.multiply(np.repeat(power, 2)).tocsc()
+            factor = _factored(weighted @ matrix)
+            step = np.concatenate([np.zeros(2, np.complex128), -factor.solve(weighted @ residual)])
+            poses = poses + step
+            settled = turn > 2 + (WIDENED if self._system.redundant else 2)
+            if settled and float(np.abs(step[1::2]).max()) < CONVERGED:
+                break
+            if self._system.redundant and turn >= 2:
+                self._switch(poses)
+        _, matrix = self._system.linear(poses)
+        honest = np.repeat(self._system.honest * self.robust, 2)
+        self.factor = _factored(matrix.conj().T.multiply(honest).tocsc() @ matrix)
+        return poses
+
+    def _weigh(self, residual: Complexes, turn: int) -> Floats:
+        """Weights of the edges by their residuals; all have full weight at first, since robust ones need approximate
+        poses."""
+        claimed = np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) * self._system.precision / 4)
+        if not self._system.redundant:
+            return self._system.precision
+        self.usual = max(1.0, float(np.median(claimed)) / 0.92)
+        if turn > 1:
+            scale = self._outvoted * self.usual * 2.0 ** max(0, WIDENED - (turn - 1))
+            self.robust = np.asarray(1 / (1 + (claimed / scale) ** 2) ** 2, np.float64)
+        return self._system.precision * self.robust
+
+    def _switch(self, poses: Complexes) -> None:
+        """Let each edge with rivals take part by the motion that fits the poses best."""
+        changed = False
+        for k, edge in enumerate(self._given):
+            if not edge.rivals:
+                continue
+            i, j = self._names[edge.frame_a], self._names[edge.frame_b]
+            fa, ta, fb, tb = poses[2 * i], poses[2 * i + 1], poses[2 * j], poses[2 * j + 1]
+            off = []
+            for number in range(len(edge.rivals) + 1):
+                s, middle = ((edge.similarity, edge.middle) if number == 0 else
+                             (edge.rivals[number - 1].similarity, edge.rivals[number - 1].middle))
+                at = complex(*middle)
+                off.append(abs((fa * at + ta - tb) / fb - (s.factor * at + s.shift)))
+            best = int(np.argmin(off))
+            if best != self.chosen[k] and off[best] < 0.7 * off[self.chosen[k]]:
+                self.chosen[k], changed = best, True
+                self._edges[k] = self._given[k].switched(best) if best else self._own[k]
+        if changed:
+            self._system = _System(self._edges, self._names, self._size)
+
+    def misfits(self, poses: Complexes) -> Floats:
+        """Of the edges, pixels of frame b."""
+        residual, _ = self._system.linear(poses)
+        return np.asarray(np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) / 2), np.float64)
+
+
+def _factored(normal: csc_matrix) -> SuperLU:
+    """Factors of a Hermitian matrix; with its order and pivots they take a tenth of the time at 2,000 frames."""
+    return splu(csc_matrix(normal), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
 class _System:
@@ -167,6 +242,8 @@ class _System:
         self.seen = np.array([edge.similarity.factor * complex(*edge.middle) + edge.similarity.shift
                               for edge in edges])
         self.precision = np.array([precision(edge) for edge in edges])
+        moved = np.array([np.hypot(*edge.shift) for edge in edges])
+        self.honest = 1 / (1 / self.precision + (PARALLAX * moved) ** 2)
         self.unknowns = 2 * len(names)
         self.redundant = len(edges) > len(names) - 1
 

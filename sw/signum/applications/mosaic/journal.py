@@ -26,7 +26,7 @@ from typing import Any
 
 from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
-from signum.measure.register import Registration
+from signum.measure.register import Registration, Rival
 
 Key = tuple[int, int, tuple[float, ...] | None, int | None]
 """A registration's question: the frames' numbers, the guess as 4 numbers, the reach."""
@@ -176,10 +176,7 @@ class Journal:
         """Note a registration; returns it as it is read back, of Python's own numbers, which NumPy's differ from in the
         last bit of a quotient."""
         a, b, guess, reach = key
-        s = found.similarity
-        values = [[s.factor.real, s.factor.imag, s.shift.real, s.shift.imag],
-                  *(getattr(found, field.name) for field in fields(found)[1:])]
-        text = self._write("pair", a, b, guess, reach, values)
+        text = self._write("pair", a, b, guess, reach, _values(found))
         self._known[key] = _registration(json.loads(text)[5])
         return self._known[key]
 
@@ -215,15 +212,47 @@ def key_of(a: int, b: int, guess: Similarity | None, reach: int | None) -> Key:
                                              guess.shift.imag), reach
 
 
+def _values(found: Registration | Rival) -> list[object]:
+    """Its JSON array: the fields in order, a similarity as four numbers, rivals as arrays of their own."""
+    s = found.similarity
+    rest = [getattr(found, field.name) for field in fields(found)[1:]]
+    if isinstance(found, Registration):
+        rest[-3] = [_values(rival) for rival in found.rivals]
+    return [[s.factor.real, s.factor.imag, s.shift.real, s.shift.imag], *rest]
+
+
 def _registration(values: list[Any]) -> Registration:
     """Of its JSON array.
 
     Raises:
         ValueError, TypeError: if it is none.
     """
-    (fr, fi, sr, si), shift, score, margin, agreed, tried, accepted, reason, turning, middle, spread, rms = values
-    numbers = [float(v) for v in (fr, fi, sr, si, *shift, score, margin, *middle, spread, rms)]
-    if not all(map(math.isfinite, numbers)) or (fr == 0 and fi == 0):
+    (similarity, shift, score, margin, agreed, tried, accepted, reason, turning, middle, spread, rms, evidence,
+     rivals, shear, shear_error) = values
+    _check(*shift, score, margin, *middle, spread, rms, evidence, *shear, shear_error)
+    return Registration(_similarity(similarity), (shift[0], shift[1]), score, margin, int(agreed), int(tried),
+                        bool(accepted), str(reason), bool(turning), (middle[0], middle[1]), spread, rms, evidence,
+                        tuple(_rival(rival) for rival in rivals), (shear[0], shear[1]), shear_error)
+
+
+def _rival(values: list[Any]) -> Rival:
+    """Of its JSON array; raises as `_registration`."""
+    similarity, score, margin, agreed, turning, middle, spread, rms, evidence = values
+    _check(score, margin, *middle, spread, rms, evidence)
+    return Rival(_similarity(similarity), score, margin, int(agreed), bool(turning), (middle[0], middle[1]), spread,
+                 rms, evidence)
+
+
+def _similarity(values: list[Any]) -> Similarity:
+    """Of real and imaginary parts of its factor and shift."""
+    fr, fi, sr, si = values
+    _check(fr, fi, sr, si)
+    if fr == 0 and fi == 0:
+        raise ValueError("no similarity")
+    return Similarity(complex(fr, fi), complex(sr, si))
+
+
+def _check(*numbers: Any) -> None:
+    """Raise ValueError or TypeError for what is no finite number."""
+    if not all(math.isfinite(float(v)) for v in numbers):
         raise ValueError("no registration")
-    return Registration(Similarity(complex(fr, fi), complex(sr, si)), (shift[0], shift[1]), score, margin, int(agreed),
-                        int(tried), bool(accepted), str(reason), bool(turning), (middle[0], middle[1]), spread, rms)

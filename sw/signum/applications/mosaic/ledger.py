@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -119,31 +120,39 @@ class Ledger:
         self.links: dict[str, list[Edge]] = {}
         self._homes: dict[str, Piece] = {}
         self._table: TextIO | None = None
+        self._revised = False
 
     def open_table(self) -> bool:
         """Write `edges.csv` with the edges so far, and from now on a row for every edge noted.
 
         Returns:
-            Whether the rows that were in the file before are among those that are written.
+            Whether the rows that were in the file before are among those that are written, but for the verdicts on
+            them, which come last.
         """
         path = self.out / EDGES_FILE
-        rows = [csv_line(SURVEY_EDGES), *(csv_line(edge.row) for edge in self.edges)]
         try:
             before = own_bytes(path)
         except OSError:
             before = b""
         whole = before[: before.rfind(b"\n") + 1]
-        text = "".join(rows).encode()
+        text = self._text().encode()
         if text != before:
             write_bytes(path, text)
         self._table = path.open("a", newline="", encoding="utf-8")
-        return whole.startswith(text) or text.startswith(whole)
+        return all(a == b for a, b in zip(_measured(whole), _measured(text), strict=False))
 
     def close_table(self) -> None:
-        """Write no more rows."""
-        if self._table is not None:
-            with suppress(OSError):  # of a row that `note` has told of
-                self._table.close()
+        """Write no more rows; revised ones get their last state."""
+        if self._table is None:
+            return
+        with suppress(OSError):  # of a row that `note` has told of
+            self._table.close()
+        if self._revised:
+            write_bytes(self.out / EDGES_FILE, self._text().encode())
+
+    def _text(self) -> str:
+        """The whole of `edges.csv`."""
+        return "".join([csv_line(SURVEY_EDGES), *(csv_line(edge.row) for edge in self.edges)])
 
     @property
     def opened(self) -> bool:
@@ -206,6 +215,14 @@ class Ledger:
                 raise OSError(error.errno, error.strerror, str(self.out / EDGES_FILE)) from error
         return edge
 
+    def revise(self, edge: Edge, verdict: Edge) -> None:
+        """Put a verdict in the place of an edge noted before, of which only `accepted` and `reason` differ; it is in
+        `edges.csv` when the table is closed."""
+        self.edges[_spot(self.edges, edge)] = verdict
+        self._revised = True
+        for held in (self.accepted, self.links[edge.frame_a], self.links[edge.frame_b]):
+            del held[_spot(held, edge)]
+
     def solve(self, piece: Piece) -> None:
         """Place the frames of a component by all its edges."""
         edges = self.edges_of(piece)
@@ -263,3 +280,14 @@ class Ledger:
         early.strained = False
         self.pieces[position] = early
         self.pieces = [p for i, p in enumerate(self.pieces) if p is not late and (p is not early or i == position)]
+
+
+def _measured(table: bytes) -> list[list[str]]:
+    """The rows of an `edges.csv` without the columns that a verdict changes."""
+    keep = [k for k, name in enumerate(SURVEY_EDGES) if name not in ("accepted", "reason")]
+    return [[row[k] for k in keep if k < len(row)] for row in csv.reader(table.decode(errors="replace").splitlines())]
+
+
+def _spot(edges: list[Edge], edge: Edge) -> int:
+    """Where an edge is in a list."""
+    return next(k for k, noted in enumerate(edges) if noted is edge)

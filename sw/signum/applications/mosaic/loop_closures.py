@@ -14,9 +14,12 @@ import numpy as np
 from signum.applications.mosaic.edges import JOIN, LOOP, Edge
 from signum.applications.mosaic.graph import Solution, precision
 from signum.applications.mosaic.ledger import Ledger, Piece
+from signum.applications.mosaic.likelihood import surprise
 from signum.applications.mosaic.nearby import ball
+from signum.applications.mosaic.revise import revise
 from signum.applications.mosaic.windows import Knowledge
 from signum.geometry.similarity import IDENTITY, Similarity, overlap
+from signum.measure.register import Rival
 
 CONFIRMING = 64
 """Frames around one end of an edge between two components whose places beside the other end may confirm it."""
@@ -121,26 +124,34 @@ class Loops:
 
     def search(self, predicted: Similarity, deviation: float) -> tuple[Similarity | None, int | None]:
         """The guess and reach to search with around a prediction; None where the whole frame is searched."""
-        slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
-        reach = math.ceil(slack / max(self._registrar.fine.factor)) + 6
+        spread = math.hypot(deviation, self._settings.relief * max(self._size))
+        reach = math.ceil(self._settings.gate * spread / max(self._registrar.fine.factor)) + 6
         if reach > self._settings.farthest:
             return None, None
         return predicted, max(reach, self._registrar.limits.reach)
 
     def measure(self, a: str, b: str, kind: str, predicted: Similarity, deviation: float) -> Edge:
-        """Measure an edge around its prediction; refused if it differs by more than the uncertainty allows."""
-        slack = self._settings.gate * deviation + self._settings.relief * max(self._size)
-        result = self._ledger.register(a, b, *self.search(predicted, deviation))
-        reason = ""
-        if result.accepted:
-            point = np.array(result.middle)
-            miss = float(np.hypot(*(result.similarity(point) - predicted(point))))
-            turned = abs((result.similarity @ predicted.inverse).rot_deg)
-            if result.agreed < max(self._settings.share * result.tried, self._settings.agreed):
-                reason = f"only {result.agreed} of {result.tried} windows agree"
-            elif miss > slack or turned > self._settings.twist_deg:
-                reason = f"{miss:.0f} px and {turned:.1f} degrees off the place the other edges give it"
-        return Edge.of(a, b, kind, self._centre, result, reason)
+        """Measure an edge around its prediction; of its motions that is taken which is the likeliest by its windows and
+        its place, and refused if that is not likely enough."""
+        settings = self._settings
+        spread = math.hypot(deviation, settings.relief * max(self._size))
+        guess, reach = self.search(predicted, deviation)
+        result = self._ledger.register(a, b, guess, reach)
+        searched = 0.5 * max(self._size) if reach is None else reach * max(self._registrar.fine.factor)
+        edge = replace(Edge.of(a, b, kind, self._centre, result), reason="", accepted=True)
+        motions: list[Edge | Rival] = [edge, *edge.rivals]
+        odds = [motion.evidence + surprise(motion.similarity, predicted, motion.middle, spread, searched)
+                for motion in motions]
+        best = max(range(len(odds)), key=odds.__getitem__)
+        edge = edge.switched(best)
+        if edge.agreed < settings.agreed or odds[best] < settings.odds:
+            point = np.array(edge.middle)
+            miss = float(np.hypot(*(edge.similarity(point) - predicted(point))))
+            far = edge.evidence >= settings.odds and edge.agreed >= settings.agreed
+            edge = replace(edge, accepted=False, reason=(
+                f"{miss:.0f} px off the place the other edges give it" if far else
+                result.reason or f"only {edge.agreed} of {edge.tried} windows agree"))
+        return edge
 
     def join(self, name: str) -> int:
         """Look for an edge from a frame of the last component to the others; returns how many were accepted."""
@@ -149,7 +160,7 @@ class Loops:
                 continue
             result = self._ledger.register(other, name)
             self.tried[other, name] = IDENTITY
-            if result.accepted and result.agreed >= max(self._settings.share * result.tried, self._settings.agreed):
+            if result.accepted and result.agreed >= self._settings.agreed:
                 self._doubtful.append(Edge.of(other, name, JOIN, self._centre, result))
         found = 0
         for edge in list(self._doubtful):
@@ -223,7 +234,13 @@ class Loops:
                 found += self.propose(piece, name)
                 yield f"{name}: looked for more edges"
             if not found:
-                return
+                break
+            self._ledger.solve(piece)
+        self.conclude(piece)
+
+    def conclude(self, piece: Piece) -> None:
+        """Refuse the edges that the others contradict, once no more are looked for."""
+        if revise(self._ledger, piece):
             self._ledger.solve(piece)
 
     def forget(self, piece: Piece) -> int:

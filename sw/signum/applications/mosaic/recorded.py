@@ -56,11 +56,17 @@ class RecordedSurvey(Survey):
         return f"{frame.name}: stored"
 
     def finish(self) -> Iterator[str]:
-        """Measure everything; yields a phrase now and then.
+        """Measure everything; yields a phrase now and then. Those who measure are let go at the end.
 
         Raises:
             SignumError: if those who measure are lost.
         """
+        yield from self._measure()
+        if self.crew is not None:
+            self.crew.close()
+
+    def _measure(self) -> Iterator[str]:
+        """The whole of it."""
         if self._names and not self.ledger.opened:
             self.open_table()
         yield from self._follow()
@@ -107,12 +113,13 @@ class RecordedSurvey(Survey):
             if not chosen:
                 again += 1
                 if again > AGAIN or not self._loops.forget(piece):
-                    return
+                    break
                 continue
             yield from self._ask([self._search(piece, *one) for one in chosen], f"round {turn}")
             for pair, deviation in chosen:
                 self._loops.attempt(piece, pair, deviation)
             self.ledger.solve(piece)
+        self._loops.conclude(piece)
 
     def _search(self, piece: Piece, pair: tuple[str, str], deviation: float) -> Question:
         """The question about a proposed pair."""

@@ -9,9 +9,9 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-from signum.applications.mosaic.blend import Told, compose, silent, sketch
+from signum.applications.mosaic.blend import MOST_PIXELS, Composition, Told, compose, silent, sketch
 from signum.applications.mosaic.georeference import Georeference, ground_lines, world_of
-from signum.applications.mosaic.geotiff import write_geotiff, write_world_file
+from signum.applications.mosaic.geotiff import extent_of, write_geotiff, write_geotiff_blocks, write_world_file
 from signum.applications.mosaic.ledger import Ledger, Piece
 from signum.applications.mosaic.pose import Pose
 from signum.common.arrays import Image
@@ -24,6 +24,9 @@ from signum.tables.table import csv_line
 THUMB, LEAST_THUMB, THUMBS_BYTES = 240, 30, 48_000_000
 """Longer side of the copies the growing mosaic is made of, pixels; the least, and the memory for all of them, beyond
 which they are made half as large."""
+MOST_MAP_PIXELS = 20_000_000_000
+"""Most pixels of a GeoTIFF, which is made block by block where `MOST_PIXELS` are too few; a larger one is made at a
+smaller scale."""
 Grounding = Callable[[list[Pose], tuple[float, float]], Georeference | None]
 """Finds where on the ground a component is, from its poses and the frames' centre in pixels."""
 
@@ -124,14 +127,22 @@ class Results:
                 of = f"mosaic{ending}.png, a component of {len(piece.frames)} frames: " if ending else ""
                 self.trouble = self.trouble or f"{of}{error}"
         upright = geo.upright if geo else IDENTITY
-        mosaic = compose(ledger.shelf.pictures(piece.stored), [upright @ piece.places[name] for name in piece.stored],
-                         told=self.told, water=self.water)
+        pictures = ledger.shelf.pictures(piece.stored)
+        places = [upright @ piece.places[name] for name in piece.stored]
+        mosaic = compose(pictures, places, MOST_PIXELS, told=self.told, water=self.water)
         make = ledger.shelf.make
         write_picture(make(f"mosaic{ending}.png"), mosaic.picture)
         if geo:
             write_world_file(make(f"mosaic{ending}.pgw"), mosaic, geo)
-            write_geotiff(path := make(f"mosaic{ending}.tif"), mosaic, geo, self.cog)
-            self.grounded += ground_lines(str(path), mosaic, geo)
+            path = make(f"mosaic{ending}.tif")
+            mapped = mosaic
+            if mosaic.scale == 1:
+                write_geotiff(path, mosaic, geo, self.cog)
+            else:  # the picture was too large, but the map need not fit into memory
+                whole = Composition(pictures, places, MOST_MAP_PIXELS, self.told, self.water)
+                write_geotiff_blocks(path, whole, geo, self.cog)
+                mapped = extent_of(whole)
+            self.grounded += ground_lines(str(path), mapped, geo)
         height, width = mosaic.picture.shape[:2]
         step = world_of(mosaic, geo)[0] if geo else 0.0
         self._sizes.append(f"mosaic{ending}.png {width}x{height} px"

@@ -22,12 +22,10 @@ class SurveySettings:
         overlap: least predicted overlap at which an edge is proposed, share of a frame.
         apart: least distance of two frames that both have edges to a third, share of the frame's shorter side.
         proposals: most edges proposed for a frame.
-        share: least share of the windows that must agree on a proposed edge. Its place is predicted, so fewer than an
-            edge of the sequence needs would mean chance or two layers of relief.
-        agreed: least number of them.
-        gate: standard deviations of the prediction by which a proposed edge may miss it.
-        relief: share of the frame's longer side by which it may miss it in addition: relief displaces what is seen.
-        twist_deg: rotation by which it may miss it.
+        agreed: least number of windows that must agree on a proposed edge.
+        odds: least decimal logarithm of the odds that it is no chance, by its windows and by its place.
+        gate: standard deviations of the prediction within which it is searched for.
+        relief: share of the frame's longer side by which relief displaces what is seen, standard deviation.
         outvoted: misfit at which an edge has a quarter of its weight, in units of the usual misfit.
         farthest: largest reach, pixels of the board, searched around a prediction; beyond it the whole frame is
             searched.
@@ -43,11 +41,10 @@ class SurveySettings:
     overlap: float = 0.15
     apart: float = 0.1
     proposals: int = 8
-    share: float = 0.6
-    agreed: int = 6
+    agreed: int = 5
+    odds: float = 3.0
     gate: float = 4.0
     relief: float = 0.02
-    twist_deg: float = 6.0
     outvoted: float = ROBUST
     farthest: int = 64
     joins: int = 6
@@ -58,6 +55,6 @@ class SurveySettings:
         return ("auto" if self.outvoted == ROBUST else "turned") if self.loops else "single"
 
 
-CURVED = SurveySettings(relief=0.15, twist_deg=20.0, share=0.5, outvoted=9.0)
+CURVED = SurveySettings(relief=0.08, outvoted=9.0)
 """For a camera that turns in place. Its mosaic is a sphere drawn flat, on which no loop closes; the misclosure of each
 loop is spread over all edges. With the default settings the mosaic would be flat in parts and torn between them."""

@@ -38,8 +38,10 @@ class Plan:
         step: from frame to frame, share of the frame's height along a column and of its width across.
         yaw_deg, zoom, tilt_deg, place_m: standard deviations of heading, height (share of it), roll and pitch,
             position.
+        lean_deg: roll and pitch of the whole survey, to which those deviations are added.
         relief: standard deviation of the floor's height, metres.
         water: the water.
+        photo: which photograph the floor is quilted from.
     """
 
     rows: int = 10
@@ -52,8 +54,10 @@ class Plan:
     zoom: float = 0.01
     tilt_deg: float = 0.3
     place_m: float = 0.02
+    lean_deg: tuple[float, float] = (0.0, 0.0)
     relief: float = 0.02
     water: Water = field(default_factory=lambda: Water(noise=2.0))
+    photo: str = "gravel"
 
     @property
     def pixel_m(self) -> float:
@@ -102,13 +106,14 @@ def back_and_forth(rows: int, columns: int) -> list[Cell]:
     return [(r if c % 2 == 0 else rows - 1 - r, c) for c in range(columns) for r in range(rows)]
 
 
-def seafloor(extent: float, relief: float, texel: float, seed: int, feature: float = 0.8) -> Seafloor:
+def seafloor(extent: float, relief: float, texel: float, seed: int, feature: float = 0.8,
+             photo: str = "gravel") -> Seafloor:
     """A floor on which no recurring texture is large enough to be mistaken for another place.
 
     The photograph is small for a whole survey, so its patches recur, but they are smaller than the span of a frame's
     windows, and turned and mirrored.
     """
-    floor = Seafloor(extent=extent, relief=relief, feature=feature, texel=texel, seed=seed)
+    floor = Seafloor(extent=extent, relief=relief, feature=feature, texel=texel, photo=photo, seed=seed)
     rng = np.random.default_rng([seed, 9])
     floor.levels[:1] = [quilt(photograph(floor.photo), floor.levels[0].shape[0], rng, QUILT_PATCH)]
     for k in range(1, len(floor.levels)):
@@ -121,7 +126,7 @@ def simulate_survey(plan: Plan, seed: int) -> Flown:
     rng = np.random.default_rng([seed, 7])
     along, across = (s * plan.pixel_m for s in plan.stride)
     extent = max(plan.rows * along, plan.columns * across) + 1.5 * max(plan.size) * plan.pixel_m
-    floor = seafloor(extent, plan.relief, 0.8 * plan.pixel_m, seed)
+    floor = seafloor(extent, plan.relief, 0.8 * plan.pixel_m, seed, photo=plan.photo)
     world = World(floor, plan.water, seed=seed)
     camera = Pinhole(plan.size, plan.focal)
     frames, truth = {}, {}
@@ -129,7 +134,7 @@ def simulate_survey(plan: Plan, seed: int) -> Flown:
         north = (row - (plan.rows - 1) / 2) * along + rng.normal(0, plan.place_m)
         east = (column - (plan.columns - 1) / 2) * across + rng.normal(0, plan.place_m)
         height = plan.height * (1 + rng.normal(0, plan.zoom))
-        roll, pitch = np.radians(rng.normal(0, plan.tilt_deg, 2))
+        roll, pitch = np.radians(rng.normal(0, plan.tilt_deg, 2) + plan.lean_deg)
         yaw = np.radians(rng.normal(0, plan.yaw_deg))
         sight = Sight(np.array([north, east, -height]), rotation(roll, pitch, yaw) @ LOOK_DOWN)
         frames[row, column] = world.look(camera, sight).frame

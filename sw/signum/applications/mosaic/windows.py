@@ -5,7 +5,7 @@ Both cost the same whatever the size of the whole. Around a frame, the frames ou
 they become one frame, the ground, whose pixels are the plane. An edge from an outer frame a with pose f p + t to a
 frame b of the part has the residual of an edge from the ground to b with its centroid at f c + t, |f| times its spread
 and the similarity S after the pose's inverse; it is measured in pixels of b as before. One to an outer frame is turned
-round first.
+round first. Edges are levelled before (`level`), by the tilts that the frames of the part and around it show.
 
 How well frames are known from one another is taken from a part that contains both: edges that are left out can only add
 to what is known, so that the deviation is at most too large.
@@ -21,8 +21,10 @@ import numpy as np
 
 from signum.applications.mosaic.edges import Edge
 from signum.applications.mosaic.graph import Solution, solve_graph
+from signum.applications.mosaic.level import level, tilts
 from signum.applications.mosaic.nearby import ball, edges_among
 from signum.geometry.similarity import IDENTITY, Similarity
+from signum.measure.register import UNKNOWN
 
 GROUND = "\0"
 """Stands for all frames outside of a part; no frame has this name."""
@@ -55,15 +57,17 @@ def solve_window(links: Mapping[str, Sequence[Edge]], places: Mapping[str, Simil
         The places, and by how much the frames with edges to others were moved at most, pixels.
     """
     inside = dict.fromkeys(other for other in ball(links, name, most) if other != fixed)
+    around = [edge for here in inside for edge in links[here]
+              if edge.frame_a == here or edge.frame_a not in inside]
     edges, border = [], set()
-    for here in inside:
-        for edge in links[here]:
-            other = edge.frame_b if edge.frame_a == here else edge.frame_a
-            if other not in inside:
-                border.add(here)
-                edges.append(grounded(edge if edge.frame_a == other else turned(edge), places[other]))
-            elif edge.frame_a == here:
-                edges.append(edge)
+    for edge in level(around, tilts(around, size)):
+        edge = replace(edge, shear=(0.0, 0.0), shear_error=UNKNOWN)  # it is levelled
+        if edge.frame_a in inside and edge.frame_b in inside:
+            edges.append(edge)
+        else:
+            here, other = ((edge.frame_a, edge.frame_b) if edge.frame_a in inside else (edge.frame_b, edge.frame_a))
+            border.add(here)
+            edges.append(grounded(edge if edge.frame_a == other else turned(edge), places[other]))
     start = {GROUND: IDENTITY, **{here: places[here] for here in inside}}
     solved = solve_graph(GROUND, edges, size, start, outvoted).places
     middle = np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])
@@ -76,7 +80,7 @@ def grounded(edge: Edge, place: Similarity) -> Edge:
     """An edge as one from the ground, its first frame being at a place: pixels -> plane."""
     x, y = place(np.array(edge.middle))
     return replace(edge, frame_a=GROUND, similarity=edge.similarity @ place.inverse, middle=(float(x), float(y)),
-                   spread_px=edge.spread_px * place.scale)
+                   spread_px=edge.spread_px * place.scale, rivals=())
 
 
 def turned(edge: Edge) -> Edge:
@@ -84,7 +88,7 @@ def turned(edge: Edge) -> Edge:
     x, y = edge.similarity(np.array(edge.middle))
     return replace(edge, frame_a=edge.frame_b, frame_b=edge.frame_a, similarity=edge.similarity.inverse,
                    middle=(float(x), float(y)), spread_px=edge.spread_px * edge.similarity.scale,
-                   rms_px=edge.rms_px / edge.similarity.scale)
+                   rms_px=edge.rms_px / edge.similarity.scale, rivals=())
 
 
 class Knowledge:

@@ -3,6 +3,9 @@
 
 Frame and mosaic are scaled down until the frame is 160 pixels long. A grid of the frame's windows is searched for in
 tiles of the mosaic as large as the board takes; every window votes with its best match in every tile.
+
+Marine snow, a few pixels each, outlasts the scaling and moves the signs around it: a median filter takes it out of the
+frame first. It takes fine texture with it, so that where nothing is found, the frame as it is is searched for as well.
 """
 
 from __future__ import annotations
@@ -34,6 +37,8 @@ SEARCH_MISS_PX = 4.0
 """Largest residual of a window from the similarity it votes for, coarse pixels."""
 LEAST_VOTES = 3
 """Least number of votes of a candidate."""
+SPECKS = 5
+"""Side of the median filter, pixels: specks of less than half its area vanish."""
 HALF = complex(0.5, 0.5)
 """Half a pixel along both axes: scaling keeps the picture's corner, half a pixel off the first pixel's centre."""
 
@@ -59,7 +64,7 @@ class CoarseSearch:
         self._tiles = self._cut()
 
     def candidates(self, live: Image, turns_deg: Sequence[float], convinced: int, rot_deg: float, zoom: float,
-                   most: int) -> list[Similarity]:
+                   most: int, calm: bool = False) -> list[Similarity]:
         """Similarities from the frame to the chart, in descending order of votes.
 
         Args:
@@ -67,8 +72,10 @@ class CoarseSearch:
             turns_deg: rotations of the frame that are tried, in order, until one has `convinced` votes.
             rot_deg, zoom: largest rotation and scale beyond those tried.
             most: largest number of candidates.
+            calm: whether specks are taken out of the frame first.
         """
         measurer = self._make(self._tile, SEARCH_SIGMA)
+        live = np.asarray(cv2.medianBlur(live, SPECKS), np.uint8) if calm else live
         small = np.asarray(cv2.resize(live, self._small, interpolation=cv2.INTER_AREA), np.uint8)
         found: list[tuple[int, Similarity]] = []
         for turn in turns_deg:

@@ -4,7 +4,8 @@
 Without a prior the coarse search proposes places; with a prior only that is tried. Each predicts the part of the mosaic
 the frame shows, which is cut out, rotated and scaled as the frame is, and compared with it window by window, each
 validated on its own, within a few pixels. A place is accepted if enough windows, and a good share of those on the
-mosaic, agree on it. If two places are accepted, neither is returned: the mosaic shows the same thing twice.
+mosaic, agree on it. If another place matches nearly as well, neither is returned: the mosaic shows the same thing
+twice. A place that shares a part with the right one, or something like it, matches in fewer windows, and worse.
 
 Without a prior, most windows with texture around the frame's middle must agree as well: where a mosaic is torn, a frame
 matches one side of the tear while its middle may lie on the other.
@@ -72,12 +73,16 @@ class Localiser:
         if prior is not None:
             return self._place(self._look(live, self._original.inverse @ prior @ self._original), False)
         limits = self.limits
-        self._comparer.forget()
-        guesses = self._coarse.candidates(live, limits.turns_deg, limits.convinced, limits.rot_deg, limits.zoom,
-                                          limits.candidates)
-        found = sorted((self._look(live, guess, True) for guess in guesses), key=lambda f: -f.agreed)
-        good = [f for f in found if self._good(f, True)]
-        if any(self._apart(good[0], other) for other in good[1:]):
+        found: list[Comparison] = []
+        for calm in (True, False):
+            self._comparer.forget()
+            guesses = self._coarse.candidates(live, limits.turns_deg, limits.convinced, limits.rot_deg, limits.zoom,
+                                              limits.candidates, calm)
+            found = sorted([*found, *(self._look(live, guess, True) for guess in guesses)], key=lambda f: -f.agreed)
+            good = [f for f in found if self._good(f, True)]
+            if good:
+                break
+        if any(self._apart(good[0], other) and self._rivals(good[0], other) for other in good[1:]):
             return Place(agreed=good[0].agreed, tried=good[0].tried, reason="two places match")
         if good and not self._agrees_in_middle(live, good[0]):
             return Place(agreed=good[0].agreed, tried=good[0].tried,
@@ -128,6 +133,11 @@ class Localiser:
     def _apart(self, a: Comparison, b: Comparison) -> bool:
         centre = (np.array(self.shown.board, np.float64) - 1) / 2
         return float(np.hypot(*(a.similarity(centre) - b.similarity(centre)))) > self.window / 2
+
+    def _rivals(self, best: Comparison, other: Comparison) -> bool:
+        """Whether another place matches nearly as well as the best one, in windows and in score."""
+        return (other.agreed >= self.limits.rival * best.agreed
+                and other.score - 0.5 >= self.limits.rival_score * (best.score - 0.5))
 
     def _place(self, look: Comparison, anywhere: bool) -> Place:
         """The comparison as a place in original pixels, or the reason why it is refused."""

@@ -25,6 +25,8 @@ class LocaliseLimits:
         share: least share of those on the mosaic, with a prior.
         sure_windows: least number without a prior.
         sure_share: least share without a prior.
+        rival: share of the best place's windows from which another place is as good as it.
+        rival_score: share of its median score, above chance, from which it is, in addition.
         reach: half side of the search range around a predicted position, pixels of the board.
         rules: of the measurements.
     """
@@ -39,6 +41,8 @@ class LocaliseLimits:
     share: float = 0.2
     sure_windows: int = 8
     sure_share: float = 0.25
+    rival: float = 0.6
+    rival_score: float = 0.85
     reach: int = 24
     rules: Rules = field(default_factory=lambda: Rules(min_score=0.6, min_margin=0.01, max_return_px=2.0))
 

@@ -36,11 +36,11 @@ def board() -> Iterator[GoldenBoard]:
         yield one
 
 
-@pytest.mark.parametrize(("rate", "in_step", "valid"), [(None, True, True), (0.5, False, True), (0.5, True, True),
-                                                        (0.35, True, False), (0.35, False, True)])
+@pytest.mark.parametrize(("rate", "in_step", "valid"), [(None, True, True), (1.2, False, True), (1.2, True, True),
+                                                        (1.05, True, False), (1.05, False, True)])
 def test_a_turn_is_searched_for_where_the_yaw_rate_expects_it(board: GoldenBoard, rate: float | None, in_step: bool,
                                                               valid: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """0.05 rad in 0.1 s, by which windows at the edge move by more than the search's reach: without a rate, the whole
+    """0.12 rad in 0.1 s, by which windows at the edge move by more than the search's reach: without a rate, the whole
     view is searched. A rate that is in step also judges the reading, one that is not does not."""
     floor = _texture(SIZE)
     first = floor[40:-40, 40:-40]
@@ -55,12 +55,12 @@ def test_a_turn_is_searched_for_where_the_yaw_rate_expects_it(board: GoldenBoard
 
     monkeypatch.setattr(meter, "seek", seek)
     middle = ((floor.shape[1] - 1) / 2, (floor.shape[0] - 1) / 2)
-    turned = cv2.warpAffine(floor, cv2.getRotationMatrix2D(middle, math.degrees(0.05), 1.0), floor.shape[::-1])
+    turned = cv2.warpAffine(floor, cv2.getRotationMatrix2D(middle, math.degrees(0.12), 1.0), floor.shape[::-1])
     live = meter.measurer.view(np.ascontiguousarray(turned[40:-40, 40:-40], np.uint8))
     reading, _ = keeper.step(live, Sensed(yaw_rate=rate, in_step=in_step), 0.1)
     assert reading.valid == valid and bool(sought) == (rate is None)
     if valid:
-        assert reading.heading == pytest.approx(0.05, abs=0.003) and reading.agreed >= 8
+        assert reading.heading == pytest.approx(0.12, abs=0.003) and reading.agreed >= 8
         assert math.hypot(reading.forward, reading.right) < 0.005
 
 

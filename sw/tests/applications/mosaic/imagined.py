@@ -77,7 +77,7 @@ class TruthRegistrar:
         found = Similarity(factor, there - factor * complex(*middle))
         dx, dy = found(CENTRE) - CENTRE
         fields: dict[str, Any] = {"score": 0.9, "margin": 0.1, "agreed": 16, "tried": 20, "accepted": True,
-                                  "turning": True, "spread_px": SPREAD, "rms_px": 1.0}
+                                  "turning": True, "spread_px": SPREAD, "rms_px": 1.0, "evidence": 12.0}
         return Registration(found, (float(dx), float(dy)), middle=(float(middle[0]), float(middle[1])), **fields)
 
 

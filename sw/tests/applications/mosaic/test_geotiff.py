@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """GeoTIFFs as an independent reader, rasterio (GDAL), finds them: picture, place, overviews, layout of a COG."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +11,50 @@ import rasterio
 
 from signum.applications.mosaic.blend import Mosaic
 from signum.applications.mosaic.georeference import Georeference
-from signum.applications.mosaic.geotiff import overviews, write_geotiff
+from signum.applications.mosaic.geotiff import overviews, write_geotiff, write_geotiff_blocks
 from signum.common.arrays import Image
 from signum.geometry.similarity import Similarity
 
+LARGE = """
+import resource, sys
+from pathlib import Path
+import numpy as np
+from tests.applications.mosaic.test_geotiff import GEO, Parts, write_geotiff_blocks
+
+class Endless(Parts):
+    def block(self, box):
+        left, top, right, bottom = box
+        if (left // 1024 + top // 1024) % 3 == 0:
+            return None
+        x, y = np.arange(left, right), np.arange(top, bottom)
+        return np.repeat(((x[None] // 64 + y[:, None] // 64) % 200 + 1).astype(np.uint8)[:, :, None], 3, 2)
+
+source = Endless(np.zeros((8, 8, 3), np.uint8))
+source.size = 7000, 6001
+write_geotiff_blocks(Path(sys.argv[1]), Endless(np.zeros((600, 700, 3), np.uint8)), GEO, True)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+soft = int(open("/proc/self/statm").read().split()[0]) * 4096 + 100_000_000
+resource.setrlimit(resource.RLIMIT_AS, (soft, soft))
+write_geotiff_blocks(Path(sys.argv[1]), source, GEO, True, 1024)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+"""A mosaic of 126 MB in a process that may have 100 MB more than it has after a small one."""
 GEO = Georeference(Similarity(0.01 + 0j, complex(690_000, -6_090_000)), "navigation log, metres", 32755)
+
+
+class Parts:
+    """A picture as a source of blocks; blue first."""
+
+    origin, scale = (100.0, 200.0), 0.5
+
+    def __init__(self, picture: Image) -> None:
+        self.picture = picture
+        self.size = picture.shape[1], picture.shape[0]
+        self.grey = picture.ndim == 2
+
+    def block(self, box: tuple[int, int, int, int]) -> Image | None:
+        part = self.picture[box[1]:box[3], box[0]:box[2]]
+        return part if part.any() else None
 
 
 def _picture(shape: tuple[int, ...]) -> Image:
@@ -68,3 +109,42 @@ def test_overviews_are_means_of_what_is_shown() -> None:
     colour[0, 0], colour[1, 1] = (0, 0, 200), (0, 50, 100)
     (half,) = overviews(colour)
     assert half[0, 0].tolist() == [0, 25, 150]
+
+
+@pytest.mark.parametrize("cog", [False, True])
+@pytest.mark.parametrize("shape", [(601, 1030, 3), (1030, 515), (60, 50, 3)])
+def test_block_by_block_is_the_same_file(tmp_path: Path, shape: tuple[int, ...], cog: bool) -> None:
+    picture = _picture(shape)
+    write_geotiff(tmp_path / "whole.tif", Mosaic(picture, Parts.origin, Parts.scale), GEO, cog)
+    write_geotiff_blocks(tmp_path / "parts.tif", Parts(picture), GEO, cog, 100)
+    assert (tmp_path / "parts.tif").read_bytes() == (tmp_path / "whole.tif").read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["parts.tif", "whole.tif"]
+
+
+@pytest.mark.parametrize("cog", [False, True])
+def test_beyond_32_bits(tmp_path: Path, cog: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("signum.applications.mosaic.geotiff.CLASSIC_BYTES", 1000)
+    picture = _picture((601, 1030, 3))
+    write_geotiff_blocks(tmp_path / "m.tif", Parts(picture), GEO, cog, 256)
+    assert (tmp_path / "m.tif").read_bytes()[:4] == b"II\x2b\x00"
+    with rasterio.open(tmp_path / "m.tif") as file:
+        assert np.array_equal(_seen(file.read()), picture) and file.overviews(1) == [2, 4, 8]
+        assert (file.tags(ns="IMAGE_STRUCTURE").get("LAYOUT") == "COG") == cog
+    with rasterio.open(tmp_path / "m.tif", overview_level=1) as file:
+        assert np.array_equal(_seen(file.read()), list(overviews(picture))[1])
+
+
+def test_a_mosaic_larger_than_memory(tmp_path: Path) -> None:
+    """By a limit on the process's memory, and by what it had at most."""
+    done = subprocess.run([sys.executable, "-c", LARGE, str(tmp_path / "m.tif")], capture_output=True, text=True,
+                          check=False)
+    assert done.returncode == 0, done.stderr
+    print(f"126 MB written with {int(done.stdout) / 1000:.0f} MB more than a small one")
+    assert int(done.stdout) < 80_000
+    with rasterio.open(tmp_path / "m.tif") as file:
+        assert (file.width, file.height) == (7000, 6001) and file.overviews(1)[-1] == 32
+        part = file.read(1, window=((5000, 5100), (6000, 6100)))
+        x, y = np.arange(6000, 6100), np.arange(5000, 5100)
+        expected = (x[None] // 64 + y[:, None] // 64) % 200 + 1
+        hidden = (x[None] // 1024 + y[:, None] // 1024) % 3 == 0
+        assert np.array_equal(part, np.where(hidden, 0, expected))

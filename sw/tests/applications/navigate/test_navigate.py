@@ -27,6 +27,7 @@ from signum.frames.fit import Fit
 from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
 from signum.world.seafloor import photograph
+from tests.localising import judge
 
 app = application()
 
@@ -90,6 +91,13 @@ def test_nothing_is_found_that_is_not_there(floor: NDArray[np.uint8]) -> None:
     strange = cv2.resize(photograph("grass").astype(np.float32), (900, 900)).astype(np.uint8)
     for frame in (strange[:SIZE[1], :SIZE[0]], np.full(SIZE[::-1], 90, np.uint8)):
         assert not localiser.locate(np.ascontiguousarray(frame)).known
+
+
+@pytest.mark.parametrize(("name", "views"), [("brick", 8), ("grass", 4)])
+def test_views_in_murk_are_found(name: str, views: int) -> None:
+    """A sample of `make navigate-bars`: bricks in figure 8's murk, grass that shows parts of itself several times."""
+    right, wrong, why, _ = judge(name, 3, views, murky=True)
+    assert wrong == 0 and right >= 0.75 * views, why
 
 
 def test_two_places_that_look_alike_are_none(floor: NDArray[np.uint8]) -> None:

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Evidence that windows agree for another reason than chance, and the motions of a view of two depths."""
+
+import numpy as np
+import pytest
+
+from signum.common.arrays import Floats
+from signum.geometry.similarity import Similarity
+from signum.measure.agree import Found, motions
+from signum.measure.likelihood import VALID_BY_CHANCE, chance, covered, evidence
+from signum.measure.refine import refine
+
+WINDOW, REACH = 64, 18
+
+
+def _grid(across: int, down: int) -> Floats:
+    x, y = np.meshgrid(np.arange(across) * 32.0 + 32, np.arange(down) * 32.0 + 32)
+    return np.stack([x.ravel(), y.ravel()], axis=1)
+
+
+def test_overlapping_windows_count_as_the_area_that_they_cover() -> None:
+    assert covered(np.zeros((0, 2)), 64) == 0
+    assert covered(np.array([[32.0, 32.0]] * 5), 64) == 1
+    assert covered(np.array([[32.0, 32.0], [64.0, 32.0]]), 64) == 1.5
+    assert covered(np.array([[32.0, 32.0], [320.0, 300.0]]), 64) == 2
+
+
+def test_chance_does_not_pass_and_many_windows_do() -> None:
+    """Windows that are right by chance, at the rate of strangers or at twice it, in 300 trials."""
+    rng, tried = np.random.default_rng(11), _grid(8, 5)
+    passed = 0
+    for _ in range(300):
+        valid = np.flatnonzero(rng.random(len(tried)) < 2 * VALID_BY_CHANCE)
+        if len(valid) < 2:
+            continue
+        q = tried[valid] + rng.uniform(-REACH, REACH, (len(valid), 2))
+        best = motions(Found(tried[valid], q, tried[valid], tried, WINDOW, REACH, 1.0), 15.0, 1.2, 3.0)[0]
+        passed += best.evidence >= 3 and best.agree.sum() >= 4
+    assert passed == 0
+    p = chance(3.2, REACH)
+    proof = [evidence(tried[:k], tried, WINDOW, p) for k in (2, 5, 10, 20, 40)]
+    assert proof[0] == 0 and all(np.diff(proof) > 0) and proof[2] > 3
+    assert evidence(tried[:10], tried, WINDOW, p, chosen=False) > proof[2], "a motion known before is worth more"
+
+
+@pytest.mark.parametrize("seed", [21, 22, 23])
+def test_both_depths_of_a_view_are_returned(seed: int) -> None:
+    """Floor and a table that moves half as much again: two motions, the floor's first, and no third."""
+    rng, at = np.random.default_rng(seed), _grid(12, 8)
+    high = (at[:, 0] > 250) & (at[:, 1] > 150)
+    q = at + np.where(high[:, None], (0.0, 30.0), (0.0, 20.0)) + rng.normal(0, 0.5, at.shape)
+    stray = rng.random(len(at)) < 0.1
+    q[stray] = at[stray] + rng.uniform(-30, 30, (int(stray.sum()), 2))
+    found = motions(Found(at, q, at, at, WINDOW, 30, 1.0), 15.0, 1.2, 3.0)
+    shifts = [m.similarity(np.array([200.0, 140.0]))[1] - 140 for m in found]
+    assert len(found) == 2 and shifts == pytest.approx([20, 30], abs=1.5)
+
+
+def test_a_shear_is_told_from_a_rotation() -> None:
+    """Windows on a floor that leans, some of a boulder: the similarity and the shear of the floor."""
+    rng, p = np.random.default_rng(31), _grid(12, 8)
+    factor, shear = Similarity.of(3.0, 1.02).factor, 0.008 + 0.012j
+    z = (p - p.mean(axis=0)) @ np.array([1, 1j])
+    w = factor * z + shear * z.conj() + complex(200, 150) + rng.normal(0, 0.4, (len(z), 2)) @ np.array([1, 1j])
+    w[:20] += 9
+    q = np.stack([w.real, w.imag], axis=1)
+    found = refine(p, q, Similarity.of(2.0, 1.0, (200.0 - p[:, 0].mean(), 150.0 - p[:, 1].mean())), 1.0)
+    assert abs(found.similarity.factor - factor) < 0.002 and abs(found.shear - shear) < 4 * found.shear_error < 0.02
+    assert not found.agree[:20].any() and found.agree[20:].mean() > 0.9
+    line = refine(p[:12], q[:12], found.similarity, 1.0)
+    assert line.shear == 0 and line.shear_error == float("inf"), "windows in a row show no shear"
