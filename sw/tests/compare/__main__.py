@@ -33,8 +33,7 @@ Parts = list[tuple[Task | None, Section]]
 
 
 def _pairs(seed: int, quick: bool, tell: Tell) -> Parts:
-    real = compare_real(seed, quick, tell)
-    return [compare_pairs(seed, quick, tell), *([real] if real else [])]
+    return [compare_pairs(seed, quick, tell), *compare_real(seed, quick, tell)]
 
 
 def _mosaics(seed: int, quick: bool, tell: Tell) -> Parts:

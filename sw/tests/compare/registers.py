@@ -188,21 +188,16 @@ def _real(name: str) -> list[Known]:
             for (a, b), pair in read_pairs(folder / "sift_pairs.csv").items()]
 
 
-def compare_real(seed: int, quick: bool, tell: Tell) -> tuple[Task, Section] | None:
-    """All methods on the pairs of real surveys that SIFT has linked; None where they are not at hand."""
-    sets = [name for name in SETS if (SHARED / name / "sift_pairs.csv").exists()]
-    if quick or not sets:
-        return None
-    task = Task("Registration of real surveys' pairs", _columns("SIFT's"))
-    for k, name in enumerate(sets):
-        part = Task("", task.columns)
-        pairs = _real(name)
-        _judge(part, pairs[:: max(1, len(pairs) // 16)], seed + k, tell)
-        for (method, water), figures in part.rows.items():
-            task.note(f"{method}: {name}", water, *figures)
-        for method, seconds in part.seconds.items():
-            task.seconds[f"{method}: {name}"] = seconds
+def compare_real(seed: int, quick: bool, tell: Tell) -> list[tuple[Task, Section]]:
+    """All methods on the pairs of real surveys that SIFT has linked, those that are at hand."""
     text = ("Pairs that SIFT with RANSAC has linked in clear pictures (15 matches or more), which is the reference: "
             "SIFT is judged against itself. IMOS frames at half their size. Figure 8's degradation comes on top of the "
             "real water's.")
-    return task, task.section(text)
+    out = []
+    for k, name in enumerate(SETS):
+        if not quick and (SHARED / name / "sift_pairs.csv").exists():
+            task = Task(f"Registration of a real survey's pairs: {name}", _columns("SIFT's"))
+            pairs = _real(name)
+            _judge(task, pairs[:: max(1, len(pairs) // 16)], seed + k, tell)
+            out.append((task, task.section(text)))
+    return out

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.applications.mosaic.photometry import fit_light, shrink
-from signum.applications.mosaic.seams import ALONE, Layer, Seams, grid_scale, lay
+from signum.applications.mosaic.seams import ALONE, Layer, Seams, calm, grid_scale, lay, specks_of
 from signum.common.arrays import Floats, Image
 from signum.geometry.similarity import IDENTITY, Similarity, corners
 
@@ -153,12 +153,12 @@ class Composition:
     def __init__(self, pictures: Sequence[Image], places: Sequence[Similarity], most_pixels: int = MOST_PIXELS,
                  told: Told = silent, water: bool = False) -> None:
         self._pictures, self._told = pictures, told
-        self._copies: OrderedDict[int, Image] = OrderedDict()
+        self._copies: OrderedDict[int, tuple[Image, Image]] = OrderedDict()
         self._sizes, thumbs, self.grey = [], [], True
         for number, picture in enumerate(pictures):
             self._sizes.append((picture.shape[1], picture.shape[0]))
             self.grey = self.grey and picture.ndim == 2
-            thumbs.append(shrink(self._keep(number, picture)))
+            thumbs.append(shrink(self._keep(number, picture)[0]))
             told("light")
         low, high = bounds(self._sizes, places)
         extent = high - low + 1
@@ -188,7 +188,7 @@ class Composition:
         weight, covered = np.zeros(shape, np.float32), np.zeros(shape, bool)
         for part in self._parts(cut):
             here = part.here
-            smooth = np.asarray(cv2.GaussianBlur(part.tile, (0, 0), FINE, borderType=cv2.BORDER_REPLICATE))
+            smooth = np.asarray(cv2.GaussianBlur(calm(part.tile), (0, 0), FINE, borderType=cv2.BORDER_REPLICATE))
             cv2.copyTo(np.asarray(cv2.subtract(part.tile, smooth, dtype=cv2.CV_32F)), part.shown.astype(np.uint8),
                        detail[here])
             coarse[here] += smooth * _like(part.share, smooth)
@@ -207,18 +207,18 @@ class Composition:
         b = self._boxes
         return np.flatnonzero((b[:, 0] < box[2]) & (b[:, 1] < box[3]) & (b[:, 2] > box[0]) & (b[:, 3] > box[1]))
 
-    def _keep(self, number: int, picture: Image) -> Image:
-        """Make the small copy of a picture, and keep it while there is room."""
+    def _keep(self, number: int, picture: Image) -> tuple[Image, Image]:
+        """Make the small copy of a picture, and that of its specks, and keep them while there is room."""
         less = min(1.0, float(np.sqrt(SEAM_PIXELS / (picture.shape[0] * picture.shape[1]))))
-        size = [max(8, round(n * less)) for n in picture.shape[1::-1]]
-        copy = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-        self._copies[number] = copy
-        while len(self._copies) * copy.nbytes > COPIES_BYTES:
+        size = max(8, round(picture.shape[1] * less)), max(8, round(picture.shape[0] * less))
+        copy = np.asarray(cv2.resize(calm(picture), size, interpolation=cv2.INTER_AREA), np.uint8)
+        self._copies[number] = copy, specks_of(picture, size)
+        while len(self._copies) * 2 * copy.nbytes > COPIES_BYTES:
             self._copies.popitem(last=False)
-        return copy
+        return self._copies[number]
 
-    def _copy(self, number: int) -> Image:
-        """The small copy of a picture, made again where it was not kept."""
+    def _copy(self, number: int) -> tuple[Image, Image]:
+        """The small copy of a picture, and that of its specks, made again where they were not kept."""
         if number not in self._copies:
             return self._keep(number, self._pictures[number])
         self._copies.move_to_end(number)
@@ -237,8 +237,11 @@ class Composition:
         g = self._grid
         onto = Similarity(complex(1 / g), complex(*(0.5 / g - 0.5,) * 2))
         box = spot[0] * g, spot[1] * g, (spot[0] + shape[1]) * g, (spot[1] + shape[0]) * g
-        layers = [lay(n, self._lit(n, self._copy(n), np.ones(1)), self._sizes[n], onto @ self._places[n], spot, shape,
-                      RIM) for n in self._within(box).tolist()]
+        layers = []
+        for n in self._within(box).tolist():
+            copy, specks = self._copy(n)
+            layers.append(lay(n, self._lit(n, copy, np.ones(1)), specks, self._sizes[n], onto @ self._places[n], spot,
+                              shape, RIM))
         return [layer for layer in layers if np.isfinite(layer.cost).any()]
 
     def _parts(self, cut: Sequence[int]) -> Iterator[_Part]:

@@ -25,10 +25,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU
 
 from signum.applications.mosaic.edges import Edge
 from signum.applications.mosaic.level import level, tilts
+from signum.applications.mosaic.sparse import factored
 from signum.common.arrays import Complexes, Floats
 from signum.geometry.similarity import IDENTITY, Similarity
 
@@ -172,7 +173,7 @@ class _Descent:
             residual, matrix = self._system.linear(poses)
             power = self._weigh(residual, turn)
             weighted = matrix.conj().T.multiply(np.repeat(power, 2)).tocsc()
-            factor = _factored(weighted @ matrix)
+            factor = factored(weighted @ matrix)
             step = np.concatenate([np.zeros(2, np.complex128), -factor.solve(weighted @ residual)])
             poses = poses + step
             settled = turn > 2 + (WIDENED if self._system.redundant else 2)
@@ -182,7 +183,7 @@ class _Descent:
                 self._switch(poses)
         _, matrix = self._system.linear(poses)
         honest = np.repeat(self._system.honest * self.robust, 2)
-        self.factor = _factored(matrix.conj().T.multiply(honest).tocsc() @ matrix)
+        self.factor = factored(matrix.conj().T.multiply(honest).tocsc() @ matrix)
         return poses
 
     def _weigh(self, residual: Complexes, turn: int) -> Floats:
@@ -222,11 +223,6 @@ class _Descent:
         """Of the edges, pixels of frame b."""
         residual, _ = self._system.linear(poses)
         return np.asarray(np.sqrt((np.abs(residual.reshape(-1, 2)) ** 2).sum(axis=1) / 2), np.float64)
-
-
-def _factored(normal: csc_matrix) -> SuperLU:
-    """Factors of a Hermitian matrix; with its order and pivots they take a tenth of the time at 2,000 frames."""
-    return splu(csc_matrix(normal), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
 class _System:

@@ -23,9 +23,9 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csc_matrix, diags_array
-from scipy.sparse.linalg import splu
 
 from signum.applications.mosaic.edges import Edge
+from signum.applications.mosaic.sparse import factored
 from signum.geometry.similarity import Similarity
 
 COMMON = 0.08
@@ -67,7 +67,7 @@ def tilts(edges: Sequence[Edge], size: tuple[int, int]) -> dict[str, complex]:
     last = np.zeros(count + 1)
     last[count] = 1 / COMMON**2
     normal = matrix.conj().T @ matrix + prior.T @ prior + diags_array(last)
-    found = splu(csc_matrix(normal, dtype=np.complex128)).solve(matrix.conj().T @ (shear / deviation))
+    found = factored(csc_matrix(normal, dtype=np.complex128)).solve(matrix.conj().T @ (shear / deviation))
     return {name: complex(found[k]) / width for name, k in names.items()}
 
 

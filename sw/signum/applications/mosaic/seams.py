@@ -3,10 +3,10 @@
 
 The choice is made on small copies of the frames, in tiles of a coarse grid over the mosaic. A frame's cost at a place
 is the squared distance from its centre, and more where it shows what other frames do not: fish, floating weed, a wrong
-place. Of three or more frames the median is right. Where half of the frames or more differ from it, as two always do,
-those are right whose patch looks like what surrounds it, for the whole patch, so that no seam cuts a thing in two.
-Where the costs of two frames are about equal, the seam between them is put where they differ least: the band is flooded
-from both sides, large differences first.
+place, or, for less, a flake of marine snow. Of three or more frames the median is right. Where half of the frames or
+more differ from it, as two always do, those are right whose patch looks like what surrounds it, for the whole patch, so
+that no seam cuts a thing in two. Where the costs of two frames are about equal, the seam between them is put where they
+differ least: the band is flooded from both sides, large differences first.
 
 A tile's choice depends on its own surroundings alone, so the cost grows in proportion to the number of frames.
 """
@@ -51,6 +51,9 @@ PENALTY = 4.0
 MARGIN, LAST = 0.03, 1.0
 """Part of a frame's width and height along its edges that is shown only where nothing else is, and what it costs: there
 the light is least known, and a seam would follow the edge."""
+FLAKE, HINT, FLAKES = 40.0, 15.0, 0.6
+"""Brightness above its surroundings from which a speck may be marine snow, the one from which another frame bears it
+out, grey levels; cost of snow."""
 BAND = 0.12
 """Difference of the costs of two frames up to which the seam between them may move."""
 
@@ -65,21 +68,39 @@ class Layer:
     Attributes:
         number: of the frame.
         levels: float32 (h, w, channels), grey levels, its light evened out and smoothed.
+        specks: float32 (h, w), how far the brightest speck stands out of its surroundings, grey levels.
         cost: float32 (h, w), squared distance from its centre in half diagonals; infinite where it does not reach.
     """
 
     number: int
     levels: Float
+    specks: Float
     cost: Float
 
 
-def lay(number: int, copy: Image, size: tuple[int, int], place: Similarity, spot: tuple[int, int],
+def calm(picture: Image) -> Image:
+    """A picture whose specks, up to 3 pixels wide, stand out of their surroundings by `FLAKE` at most."""
+    around = np.asarray(cv2.medianBlur(picture, 5), np.uint8)
+    return np.asarray(cv2.min(picture, cv2.add(around, np.full_like(around, FLAKE))), np.uint8)
+
+
+def specks_of(picture: Image, size: tuple[int, int]) -> Image:
+    """How far specks stand out of their surroundings, grey levels, the highest for each pixel of a copy of `size`."""
+    grey = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
+    above = cv2.subtract(grey, cv2.medianBlur(grey, 5))
+    less = -(-picture.shape[1] // size[0])
+    return np.asarray(cv2.resize(cv2.dilate(above, np.ones((less, less), np.uint8)), size,
+                                 interpolation=cv2.INTER_NEAREST), np.uint8)
+
+
+def lay(number: int, copy: Image, specks: Image, size: tuple[int, int], place: Similarity, spot: tuple[int, int],
         shape: tuple[int, int], rim: float) -> Layer:
     """A frame laid onto a tile of the grid.
 
     Args:
         number: of the frame.
         copy: a small copy of it, its light evened out, uint8 (h, w, channels).
+        specks: from `specks_of`, as large.
         size: the frame's width and height, pixels.
         place: its pixels -> pixels of the grid.
         spot: column and row of the tile's corner in the grid.
@@ -91,6 +112,7 @@ def lay(number: int, copy: Image, size: tuple[int, int], place: Similarity, spot
     smooth = cv2.GaussianBlur(copy.astype(np.float32), (0, 0), SMOOTH, borderType=cv2.BORDER_REPLICATE)
     levels = np.asarray(cv2.warpAffine(smooth, matrix, shape[::-1], flags=cv2.INTER_LINEAR,
                                        borderMode=cv2.BORDER_REPLICATE), np.float32).reshape(*shape, -1)
+    flakes = cv2.warpAffine(specks.astype(np.float32), matrix, shape[::-1], flags=cv2.INTER_LINEAR)
     inverse = place.inverse
     x, y = spot[0] + np.arange(shape[1]), spot[1] + np.arange(shape[0])
     at = inverse.factor * (x + 1j * y[:, None]) + inverse.shift
@@ -99,7 +121,7 @@ def lay(number: int, copy: Image, size: tuple[int, int], place: Similarity, spot
     inside = (np.abs(off.real) <= size[0] / 2 - 0.5 - edge) & (np.abs(off.imag) <= size[1] / 2 - 0.5 - edge)
     cost = (off.real**2 + off.imag**2) / (size[0] ** 2 + size[1] ** 2) * 4
     cost += LAST * ((np.abs(off.real) > (0.5 - MARGIN) * size[0]) | (np.abs(off.imag) > (0.5 - MARGIN) * size[1]))
-    return Layer(number, levels, np.where(inside, cost, np.inf).astype(np.float32))
+    return Layer(number, levels, np.asarray(flakes, np.float32), np.where(inside, cost, np.inf).astype(np.float32))
 
 
 def choose_frames(layers: Sequence[Layer]) -> Labels:
@@ -116,6 +138,7 @@ def choose_frames(layers: Sequence[Layer]) -> Labels:
     levels = np.stack([layer.levels for layer in layers])
     expected, odd = _compare(levels, reach)
     cost += PENALTY * _something_else(levels, reach, expected, odd)
+    cost += FLAKES * _snow(np.stack([layer.specks for layer in layers]), reach)
     order = np.argsort(cost, axis=0)[:2]
     first, second = np.take_along_axis(cost, order, 0)
     gap = np.where(np.isfinite(second), second - np.where(np.isfinite(first), first, 0), np.inf)
@@ -171,6 +194,14 @@ def _something_else(levels: Float, reach: NDArray[np.bool_], expected: Float, od
             found[k][here][inner] = odd_one
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * GROWN + 1, 2 * GROWN + 1))
     return np.stack([np.asarray(cv2.dilate(f, kernel)) > 0 if f.any() else f > 0 for f in found])
+
+
+def _snow(specks: Float, reach: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Where each frame has a speck that half of the frames there do not have, (frames, h, w)."""
+    kernel = np.ones((3, 3), np.uint8)
+    near = np.stack([np.asarray(cv2.dilate(s, kernel)) for s in specks])
+    shared = ((near > HINT) & reach).sum(axis=0) * 2 > reach.sum(axis=0)
+    return np.asarray((near > FLAKE) & reach & ~shared, bool)
 
 
 def _patches(odd: Float, inside: float, outline: float) -> Image:

@@ -43,6 +43,12 @@ def _faint(deviation: float) -> Floats:
     return 80 + deviation * _gravel()
 
 
+def _tiled(seed: int) -> Floats:
+    """A floor that recurs every 100 pixels across and every 70 down."""
+    tile = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, (70, 100)), (0, 0), 2)
+    return np.asarray(np.tile(128 + 300 * tile, (8, 8)), np.float64)
+
+
 def _seen(floor: Floats, x: int, y: int, seed: int, noise: float = 1.0) -> Image:
     """The view whose top left pixel is (x, y) of the floor, with noise in grey levels, and snow."""
     rng = np.random.default_rng(seed)
@@ -87,8 +93,7 @@ def test_the_whole_view_is_searched_for_a_yet_fainter_one(measurer: Measurer) ->
 
 
 def test_the_places_that_look_like_the_reference_are_those_of_its_pattern(measurer: Measurer) -> None:
-    tile = cv2.GaussianBlur(np.random.default_rng(1).normal(0, 1, (70, 100)), (0, 0), 2)
-    floor = np.tile(128 + 300 * tile, (8, 8))
+    floor = _tiled(1)
     reference = Reference(measurer, LevelCamera(SIZE, FOCAL), measurer.view(_seen(floor, 0, 0, 0)), UPRIGHT, (48, 80),
                           48, HOLD_RULES)
     twins = reference.twins()
@@ -98,8 +103,7 @@ def test_the_places_that_look_like_the_reference_are_those_of_its_pattern(measur
 
 
 def test_of_a_floor_that_repeats_itself_nothing_is_read(measurer: Measurer) -> None:
-    tile = cv2.GaussianBlur(np.random.default_rng(2).normal(0, 1, (70, 100)), (0, 0), 2)
-    floor = np.tile(128 + 300 * tile, (8, 8))
+    floor = _tiled(2)
     meter = StationMeter(measurer, FOCAL, RANGE_M, 48)
     meter.anchor(meter.view(_seen(floor, 0, 0, 0)))
     live = meter.view(_seen(floor, 103, 2, 1))

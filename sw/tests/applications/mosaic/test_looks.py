@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a mosaic looks like: evenly bright over the whole survey, without fish, as sharp as a frame; colour in water."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -45,6 +46,26 @@ def test_frames_that_turn_dark_or_are_black_are_taken() -> None:
         factors = np.stack([light.factor(k, frames[k].shape) for k in range(4)])
         assert np.isfinite(factors).all() and factors.min() >= LEAST and factors.max() <= MOST
         assert compose(frames, survey.places).picture.shape[0] > 200
+
+
+def test_marine_snow_is_left_out_where_another_frame_shows_the_place() -> None:
+    survey, rng = lit_survey(109, rows=3, columns=3, fish=0.0, drift=0.2), np.random.default_rng(109)
+    clear = compose(survey.frames, survey.places)
+    fallen = np.zeros(survey.floor.shape, np.uint8)
+    for frame, place in zip(survey.frames, survey.places, strict=True):
+        flakes = np.zeros_like(frame)
+        for top, left in zip(rng.integers(0, 141, 50), rng.integers(0, 189, 50), strict=True):
+            flakes[top:top + 3, left:left + 3] = 1
+        frame[flakes > 0] = 255
+        onto = cv2.warpAffine(flakes, place.matrix, fallen.shape[::-1], flags=cv2.INTER_NEAREST)
+        fallen |= np.asarray(onto, np.uint8)
+    snowy = compose(survey.frames, survey.places)
+    x, y = (int(n) for n in snowy.origin)
+    here = np.s_[y:y + snowy.picture.shape[0], x:x + snowy.picture.shape[1]]
+    several = (survey.seen[here] >= 3) & (fallen[here] > 0)
+    left = (cv2.subtract(snowy.picture, clear.picture) > 60)[several].mean()
+    print(f"{left:.1%} of the flakes over places that three frames or more show are left")
+    assert several.sum() > 400 and left <= 0.12
 
 
 def _tinted(frames: list[Image]) -> list[Image]:
