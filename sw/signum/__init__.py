@@ -65,7 +65,8 @@ _MODULES = {
     "signum.measure.flow": ("FlowField", "measure_flow"),
     "signum.measure.measurer": ("Measurement", "Measurer", "Query", "View"),
     "signum.measure.peak": ("Peak", "locate_peaks"),
-    "signum.measure.register": ("Registrar", "Registration", "RegistrationLimits"),
+    "signum.measure.register": ("Registrar",),
+    "signum.measure.registration": ("Registration", "RegistrationLimits"),
     "signum.measure.stereo": ("RangeMap", "measure_range"),
     "signum.measure.track": ("TrackPoint", "TrackSettings", "Tracker"),
     "signum.measure.validity": ("Reason", "Rules"),
@@ -98,7 +99,8 @@ if TYPE_CHECKING:
     from signum.measure.flow import FlowField, measure_flow
     from signum.measure.measurer import Measurement, Measurer, Query, View
     from signum.measure.peak import Peak, locate_peaks
-    from signum.measure.register import Registrar, Registration, RegistrationLimits
+    from signum.measure.register import Registrar
+    from signum.measure.registration import Registration, RegistrationLimits
     from signum.measure.stereo import RangeMap, measure_range
     from signum.measure.track import Tracker, TrackPoint, TrackSettings
     from signum.measure.validity import Reason, Rules

@@ -33,7 +33,8 @@ from signum.common.files import decode_png, own_bytes
 from signum.frames.fit import Fit
 from signum.geometry.similarity import Similarity
 from signum.measure.measurer import Measurer
-from signum.measure.register import Prepared, Registrar, Registration
+from signum.measure.register import Registrar
+from signum.measure.registration import Prepared, Registration
 
 SHARE = 12
 """Questions handed to a worker at a time at most."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from signum.geometry.similarity import Similarity
-from signum.measure.register import UNKNOWN, Registration, Rival
+from signum.measure.registration import UNKNOWN, Registration, Rival
 
 SEQUENCE = "sequence"
 """Kind of an edge to the frame stored last, or one of the few before it."""

@@ -26,7 +26,7 @@ from typing import Any
 
 from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
-from signum.measure.register import Registration, Rival
+from signum.measure.registration import Registration, Rival
 
 Key = tuple[int, int, tuple[float, ...] | None, int | None]
 """A registration's question: the frames' numbers, the guess as 4 numbers, the reach."""

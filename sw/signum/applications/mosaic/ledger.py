@@ -20,7 +20,8 @@ from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
 from signum.applications.mosaic.windows import MOVED_PX, WIDE, WINDOW, Knowledge, solve_window
 from signum.common.files import own_bytes, write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
-from signum.measure.register import Registrar, Registration
+from signum.measure.register import Registrar
+from signum.measure.registration import Registration
 from signum.tables.schemas import SURVEY_EDGES
 from signum.tables.table import csv_line
 

@@ -19,7 +19,7 @@ from signum.applications.mosaic.nearby import ball
 from signum.applications.mosaic.revise import revise
 from signum.applications.mosaic.windows import Knowledge
 from signum.geometry.similarity import IDENTITY, Similarity, overlap
-from signum.measure.register import Rival
+from signum.measure.registration import Rival
 
 CONFIRMING = 64
 """Frames around one end of an edge between two components whose places beside the other end may confirm it."""

@@ -25,7 +25,8 @@ from signum.common.errors import SignumError
 from signum.common.files import UNFINISHED, decode_png, own_bytes, png, write_bytes, write_text
 from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity
-from signum.measure.register import Prepared, Registrar, Registration
+from signum.measure.register import Registrar
+from signum.measure.registration import Prepared, Registration
 
 KEPT, KEPT_BYTES = 256, 64_000_000
 """Prepared frames held in memory at most, and their bytes: two columns of most surveys, as the frames beside the newest

@@ -24,7 +24,7 @@ from signum.applications.mosaic.graph import Solution, solve_graph
 from signum.applications.mosaic.level import level, tilts
 from signum.applications.mosaic.nearby import ball, edges_among
 from signum.geometry.similarity import IDENTITY, Similarity
-from signum.measure.register import UNKNOWN
+from signum.measure.registration import UNKNOWN
 
 GROUND = "\0"
 """Stands for all frames outside of a part; no frame has this name."""

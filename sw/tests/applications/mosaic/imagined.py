@@ -14,7 +14,7 @@ from signum.applications.mosaic.simulate import back_and_forth
 from signum.common.arrays import Image
 from signum.frames.frame import Frame
 from signum.geometry.similarity import Similarity, overlap
-from signum.measure.register import Registration
+from signum.measure.registration import Registration
 
 SIZE = 400, 300
 CENTRE = np.array([(SIZE[0] - 1) / 2, (SIZE[1] - 1) / 2])

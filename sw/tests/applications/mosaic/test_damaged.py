@@ -16,7 +16,7 @@ from signum.applications.mosaic.journal import Journal, key_of
 from signum.applications.mosaic.shelf import find_survey, read_record
 from signum.commands.cli import application
 from signum.geometry.similarity import Similarity
-from signum.measure.register import Registration
+from signum.measure.registration import Registration
 
 app = application()
 NAMES = "0", "海" * 60, "two\nlines", "3"

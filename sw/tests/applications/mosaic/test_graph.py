@@ -10,7 +10,7 @@ from signum.applications.mosaic.edges import LOOP, Edge
 from signum.applications.mosaic.graph import FLOOR_PX, PARALLAX, TOGETHER, chain, solve_graph
 from signum.geometry.similarity import Similarity
 from signum.measure.refine import refine
-from signum.measure.register import Rival
+from signum.measure.registration import Rival
 
 SIZE = 400, 300
 CENTRE = (199.5, 149.5)
