@@ -70,12 +70,13 @@ module slog_dense_engine
     first_q    <= first_i;
     left_ok_q  <= {left_ok_q[OkLag-1:0], left_ok_i & {2{left_valid_i}}};
     right_ok_q <= {right_ok_q[OkLag-1:0], right_ok_i & {2{right_valid_i}}};
-    flush_q    <= Groups'({flush_q, flush_i});
     for (int unsigned k = 0; k < Offsets; k++) used_q[k] <= k < 32'(offsets_i);
     if (rst_i) begin
       left_valid_q  <= 1'b0;
       right_valid_q <= 1'b0;
+      flush_q       <= '1;
     end else begin
+      flush_q       <= Groups'({flush_q, flush_i});
       left_valid_q  <= left_valid_i;
       right_valid_q <= right_valid_i;
     end
@@ -129,7 +130,7 @@ module slog_dense_engine
 
   logic [OutLag-1:0] winner_valid_q, back_valid_q;
   always_ff @(posedge clk_i) begin
-    if (flush_i) begin
+    if (rst_i || flush_i) begin
       winner_valid_q <= '0;
       back_valid_q   <= '0;
     end else begin

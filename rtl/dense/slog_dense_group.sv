@@ -65,7 +65,7 @@ module slog_dense_group
   ) u_memory (
       .clk_i,
       .rst_i,
-      .run_i  (left_i.in_row || left_o.in_row),
+      .run_i  ((left_i.in_row || left_o.in_row) && !clear_i),
       .first_i((left_i.in_row && left_i.first) || (left_o.in_row && left_o.first)),
       .sum_i  (sum),
       .above_o(above)

@@ -56,7 +56,8 @@ class DenseGroupModel:
         out, made = self.out, self.lanes.out
         coming, going = LEFT.unpack(i["left_i"]), LEFT.unpack(or_zero(made["left_o"]))
         above = self.memory.out["above_o"]
-        self.memory.step({"rst_i": i["rst_i"], "run_i": coming["in_row"] | going["in_row"],
+        run = (coming["in_row"] | going["in_row"]) & ~i["clear_i"]
+        self.memory.step({"rst_i": i["rst_i"], "run_i": run,
                           "first_i": coming["in_row"] & coming["first"] | going["in_row"] & going["first"],
                           "sum_i": or_zero(made["sum_o"])})
         self.lanes.step({**{name: i[name] for name in DenseLanesModel.INPUTS if name in i}, "above_i": or_zero(above)})
@@ -96,7 +97,7 @@ class DenseEngineModel:
         self._move(i)
         self.valid.pop()
         self.valid.appendleft(ends)
-        if i["flush_i"]:
+        if i["rst_i"] or i["flush_i"]:
             self.valid = deque([(0, 0)] * OUT_LAG)
         left, right = i["left_valid_i"], i["right_valid_i"]
         self.planes.pop()
@@ -107,6 +108,8 @@ class DenseEngineModel:
         self.marks, self.first = (0 if i["rst_i"] else 2 * left + right), i["first_i"]
         self.flushes.pop()
         self.flushes.appendleft(i["flush_i"])
+        if i["rst_i"]:
+            self.flushes = deque([1] * len(self.groups))
         self.used = (1 << min(i["offsets_i"], self.offsets)) - 1
         return out
 

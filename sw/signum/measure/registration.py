@@ -87,8 +87,8 @@ class Registration:
         rms_px: of their distances from their places by the similarity, original pixels.
         evidence: that they agree for another reason than chance, decades.
         rivals: other motions that enough windows agree on, the best first.
-        shear, shear_error: real and imaginary part of the shear beside the similarity, and their standard error; see
-            `refine`. Infinite where it was not measured.
+        shear: real and imaginary part of the shear beside the similarity; see `refine`.
+        shear_error: standard error of each. Infinite where they were not measured.
     """
 
     similarity: Similarity

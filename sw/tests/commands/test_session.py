@@ -34,6 +34,7 @@ def _run(film: Path, end: type[BaseException] | None, calls: list[str]) -> None:
         table = run.table("some.csv", ["frame"])
         run.at_end(lambda: calls.append("closed"))
         assert run.fit.source == (120, 100) and not calls
+        run.measurer(run.fit.board).view(run.fit.show(run.first.picture))  # what the board's clocks are counted for
         for frame in run.steps("frames", run.frames(), run.source.count):
             if end is not None and frame.name == "2":
                 raise end

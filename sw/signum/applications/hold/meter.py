@@ -38,7 +38,7 @@ WHOLE_SHARE = 0.8
 """Where the whole view was searched, least share that must agree of the windows that should, by the scores of those
 that do: where a part of the floor recurs elsewhere, its windows match there as well as ever, and the others not at all.
 """
-LARGER, LEAST_LARGER = 2, 1.25
+LARGER, LEAST_LARGER = 2, 1.5
 """Side of the larger windows over that of the small ones, and the least worth having, where board or picture allow no
 more."""
 TURN_ERROR = 0.001

@@ -28,7 +28,7 @@ class Edge:
         similarity: original pixels of a -> of b.
         centre: of the frames, original pixels; `shift` of the table is measured there.
         middle, spread_px, rms_px, score, margin, agreed, tried, accepted, reason, evidence: see `Registration`.
-        shear, shear_error, rivals: the same.
+        shear: see `Registration`; shear_error, rivals: the same.
         spread_px: 0 where rotation and scale were not measured.
     """
 

@@ -93,11 +93,12 @@ def test_nothing_is_found_that_is_not_there(floor: NDArray[np.uint8]) -> None:
         assert not localiser.locate(np.ascontiguousarray(frame)).known
 
 
-@pytest.mark.parametrize(("name", "views"), [("brick", 8), ("grass", 4)])
-def test_views_in_murk_are_found(name: str, views: int) -> None:
-    """A sample of `make navigate-bars`: bricks in figure 8's murk, grass that shows parts of itself several times."""
-    right, wrong, why, _ = judge(name, 3, views, murky=True)
-    assert wrong == 0 and right >= 0.75 * views, why
+def test_views_in_murk_are_found() -> None:
+    """A sample of `make navigate-bars`, whose bar is that of all floors together: bricks in figure 8's murk, grass that
+    shows parts of itself several times."""
+    counts = np.array([judge(name, 3, views, murky=True)[:2] for name, views in (("brick", 8), ("grass", 8))])
+    right, wrong = counts.sum(axis=0)
+    assert wrong == 0 and right >= 0.75 * 16, counts
 
 
 def test_two_places_that_look_alike_are_none(floor: NDArray[np.uint8]) -> None:
