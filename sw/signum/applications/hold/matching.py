@@ -50,8 +50,8 @@ MAX_TURN_ERROR = 0.01
 MAX_SHIFT_ERROR = 0.008
 """Standard error of the fitted offset, as a share of the range, above which a match is not sure."""
 LEAST_NOISE_PX = 0.7
-"""Lower bound of the windows' residual in that error, pixels: the residual of a few windows may be small by chance. Where
-half of the windows are independent, as where they fill a picture, it is a pixel for each."""
+"""Lower bound of the windows' residual in that error, pixels: the residual of a few windows may be small by chance.
+Where half of the windows are independent, as where they fill a picture, it is a pixel for each."""
 LEAST_FIT_PX = 0.1
 """Lower bound of the residual in the errors that a match states, pixels: what a single window is good for."""
 LEAST_SHARE = 0.5
