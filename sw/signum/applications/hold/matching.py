@@ -49,9 +49,9 @@ MAX_TURN_ERROR = 0.01
 """Standard error of the fitted rotation, radians, above which a match is not sure."""
 MAX_SHIFT_ERROR = 0.008
 """Standard error of the fitted offset, as a share of the range, above which a match is not sure."""
-LEAST_NOISE_PX = 0.7
-"""Lower bound of the windows' residual in that error, pixels: the residual of a few windows may be small by chance.
-Where half of the windows are independent, as where they fill a picture, it is a pixel for each."""
+LEAST_NOISE_PX, NOISE_WIDTH = 1.0, 640
+"""Lower bound of the windows' residual in that error, pixels of a picture as wide: the residual of a few windows may be
+small by chance. What relief and viewing angle leave is in proportion to the width; half a pixel it is at least."""
 LEAST_FIT_PX = 0.1
 """Lower bound of the residual in the errors that a match states, pixels: what a single window is good for."""
 LEAST_SHARE = 0.5
@@ -90,6 +90,10 @@ class Matcher:
     measurer: Measurer
     camera: LevelCamera
 
+    @property
+    def _least_noise(self) -> float:
+        return LEAST_NOISE_PX * min(1.0, max(0.5, self.measurer.size[0] / NOISE_WIDTH))
+
     def match(self, reference: Reference, windows: Windows, onto: Floats, live: View, level: Level, reach: int
               ) -> Match:
         """Search for windows of a warped reference where `onto` expects them in a live view.
@@ -125,7 +129,7 @@ class Matcher:
         chance = log_false_alarms(result.misses, len(answers), (2 * reach + 1) ** 2,
                                   rivals.passing(float(np.quantile(scores, 0.25))), share,
                                   3 if result.sloping(self.camera.focal) else 2)
-        turn, shift = (e / math.sqrt(share) for e in result.errors(LEAST_NOISE_PX))
+        turn, shift = (e / math.sqrt(share) for e in result.errors(self._least_noise))
         sure = (chance <= FALSE_ALARMS and agreed >= LEAST_SHARE * len(keep) and turn <= MAX_TURN_ERROR
                 and shift <= MAX_SHIFT_ERROR * self.camera.focal)
         if sure and not rivals.exceeded_by(scores, share, RIVAL_DEVIATIONS):
