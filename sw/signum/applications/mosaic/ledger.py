@@ -13,11 +13,11 @@ from typing import TextIO
 from signum.applications.mosaic.edges import LIVE, Edge
 from signum.applications.mosaic.graph import Solution, solve_graph
 from signum.applications.mosaic.journal import Key, key_of
+from signum.applications.mosaic.local_solution import MOVED_PX, WIDE, WINDOW, Knowledge, solve_window
 from signum.applications.mosaic.nearby import CentreGrid
 from signum.applications.mosaic.pose import Pose
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.shelf import EDGES_FILE, Shelf
-from signum.applications.mosaic.windows import MOVED_PX, WIDE, WINDOW, Knowledge, solve_window
 from signum.common.files import own_bytes, write_bytes
 from signum.geometry.similarity import IDENTITY, Similarity
 from signum.measure.register import Registrar

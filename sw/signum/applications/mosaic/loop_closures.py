@@ -14,10 +14,10 @@ import numpy as np
 from signum.applications.mosaic.edges import JOIN, LOOP, Edge
 from signum.applications.mosaic.graph import Solution, precision
 from signum.applications.mosaic.ledger import Ledger, Piece
-from signum.applications.mosaic.likelihood import surprise
+from signum.applications.mosaic.local_solution import Knowledge
 from signum.applications.mosaic.nearby import ball
 from signum.applications.mosaic.revise import revise
-from signum.applications.mosaic.windows import Knowledge
+from signum.applications.mosaic.surprise import surprise
 from signum.geometry.similarity import IDENTITY, Similarity, overlap
 from signum.measure.registration import Rival
 

@@ -17,10 +17,10 @@ from signum.applications.mosaic import graph, ledger, loop_closures, windows
 from signum.applications.mosaic.edges import LOOP, SEQUENCE
 from signum.applications.mosaic.graph import solve_graph
 from signum.applications.mosaic.ledger import Piece
+from signum.applications.mosaic.local_solution import Knowledge, solve_window
 from signum.applications.mosaic.nearby import CentreGrid, ball, edges_among
 from signum.applications.mosaic.settings import SurveySettings
 from signum.applications.mosaic.survey import Survey
-from signum.applications.mosaic.windows import Knowledge, solve_window
 from signum.geometry.similarity import Similarity, overlap
 from signum.measure.register import Registrar
 from tests.applications.mosaic.imagined import CENTRE, SIZE, TruthRegistrar, imagined, lanes, ring
