@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from signum.applications.mosaic import graph, ledger, loop_closures, windows
+from signum.applications.mosaic import graph, ledger, local_solution, loop_closures
 from signum.applications.mosaic.edges import LOOP, SEQUENCE
 from signum.applications.mosaic.graph import solve_graph
 from signum.applications.mosaic.ledger import Piece
@@ -102,7 +102,7 @@ def test_a_long_way_round_is_closed(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     """64 frames round a square, without edges between: more than a part holds. Its first frame is found all the same,
     as soon as the whole has been solved, and at the latest in the last look."""
     monkeypatch.setattr(ledger, "WHOLE", 20)
-    monkeypatch.setattr(windows, "BETWEEN", 40)
+    monkeypatch.setattr(local_solution, "BETWEEN", 40)
     registrar = TruthRegistrar(ring(16), noise=0.2)
     survey = _survey(registrar, tmp_path)
     for k in range(len(registrar.truth)):
