@@ -49,13 +49,13 @@ class DenseStereoRules:
         patch: least size of a patch of like disparities, windows.
     """
 
-    min_score: float = 0.65
+    min_score: float = 0.62
     min_margin: float = 0.1
     supported_margin: float = 0.02
     agreement_px: float = 1.0
-    edge_px: float = 2.0
+    edge_px: float = 3.0
     edge_reach: float = 0.75
-    patch: float = 0.25
+    patch: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
