@@ -27,7 +27,7 @@ from signum.measure.measurer import Measurer, View
 from signum.measure.stereo import RangeMap
 from signum.measure.subpixel import CONE_FROM, line_offsets
 from signum.measure.validity import Reason
-from signum.measure.winners import NONE, search_winners
+from signum.measure.winners import NONE, search_places, search_winners
 
 Flags = NDArray[np.bool_]
 T = TypeVar("T", bound=np.generic)
@@ -132,7 +132,7 @@ def _measure_map(measurer: Measurer, left: View, right: View, disparities: tuple
     low, high = disparities
     area = float(window**2)
     found = search_winners(measurer, (left, right), window, (-high, -low))
-    returns = found.returned(lambda: search_winners(measurer, (right, left), window, (low, high)))
+    returns = found.returned(lambda: search_places(measurer, (right, left), window, (low, high)))
     before, best, after = found.around[1].astype(np.float64)
     inside = (before < NONE) & (after < NONE)
     score = 1 - best / area

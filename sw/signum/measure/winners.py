@@ -27,25 +27,47 @@ OVERLAP = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Winners:
+class Places:
     """The best displacements, at every `step`-th pixel: entry (j, i) is of the window whose last pixel, at the lower
-    right, is (i * step, j * step). Counts are mismatches; NONE where a displacement was not searched or does not count.
+    right, is (i * step, j * step).
 
     Attributes:
-        window: side of the windows, pixels.
         step: pixels from one entry to the next.
         found: whether any displacement counts.
         dx, dy: the best one, from the first view to the second, pixels right and down; 0 where none counts.
-        around: (3, 3, ny, nx) mismatches at the best, in the middle, and one pixel up, down, left and right of it.
-        rest: least mismatches of all others.
-        checked: whether the second view's windows find the same, of a search in one pass; None of others.
     """
 
-    window: int
     step: int
     found: Flags
     dx: Whole
     dy: Whole
+
+    def agreeing(self, back: Places) -> Flags:
+        """Whether the way back from where each window was found leads to its start, within AGREEMENT pixels each way.
+
+        Args:
+            back: the places of the second view's windows in the first, at every pixel.
+        """
+        y, x = np.indices(self.dx.shape) * self.step
+        y, x = (np.clip(at, 0, size - 1) for at, size in zip((y + self.dy, x + self.dx), back.dx.shape, strict=True))
+        near = [np.abs(there[y, x] + here) <= AGREEMENT for here, there in ((self.dx, back.dx), (self.dy, back.dy))]
+        return np.asarray(self.found & back.found[y, x] & near[0] & near[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Winners(Places):
+    """The best displacements, and how the windows match there and nearby. Counts are mismatches; NONE where a
+    displacement was not searched or does not count.
+
+    Attributes:
+        lean: (3, ny, nx) of the rows above, of, and below the best displacement: how far to the right of it the best of
+            that row lies, pixels.
+        around: (3, 3, ny, nx) mismatches in these rows, at their best and one pixel to its left and right.
+        rest: least mismatches of all others.
+        checked: whether the second view's windows find the same, of a search in one pass; None of others.
+    """
+
+    lean: Whole
     around: Whole
     rest: Whole
     checked: Flags | None = None
@@ -55,21 +77,10 @@ class Winners:
         """Mismatches at the best displacement."""
         return self.around[1, 1]
 
-    def returned(self, back: Callable[[], Winners]) -> Flags:
-        """Whether the second view's windows find the same: as the engine found it, or by the winners that `back`
+    def returned(self, back: Callable[[], Places]) -> Flags:
+        """Whether the second view's windows find the same: as the engine found it, or by the places that `back`
         searches for, see `agreeing`."""
         return self.agreeing(back()) if self.checked is None else self.checked
-
-    def agreeing(self, back: Winners) -> Flags:
-        """Whether the way back from where each window was found leads to its start, within AGREEMENT pixels each way.
-
-        Args:
-            back: the winners of the second view in the first, of the same windows, at every pixel.
-        """
-        y, x = np.indices(self.dx.shape) * self.step
-        y, x = (np.clip(at, 0, size - 1) for at, size in zip((y + self.dy, x + self.dx), back.dx.shape, strict=True))
-        near = [np.abs(there[y, x] + here) <= AGREEMENT for here, there in ((self.dx, back.dx), (self.dy, back.dy))]
-        return np.asarray(self.found & back.found[y, x] & near[0] & near[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +101,6 @@ class _Row:
                   for c in (found.best, found.upper, found.lower, found.rest)]  # upper: one more to the left
         dx = np.where(found.found, -search.start - found.index.astype(np.int32), 0)
         return cls(dx.astype(np.int32), *counts, found.agrees)
-
-    def at(self, dx: Whole) -> Whole:
-        """Mismatches at a displacement, NONE where they are not known."""
-        away = dx - self.dx
-        return np.select([away == -1, away == 0, away == 1], [self.left, self.best, self.right], NONE)
 
     def beside(self, dx: Whole) -> Whole:
         """Least mismatches that are known more than a pixel from a displacement."""
@@ -124,26 +130,37 @@ def search_winners(measurer: Measurer, views: tuple[View, View], window: int, ac
 
     Raises:
         BoardError: if the board has no dense engine, or not of this window.
-        ValueError: if the displacements are more than 512 pixels.
+        ValueError: if a displacement is larger than 512 pixels.
     """
     rows = [_search_row(measurer, views, window, across, dy, step) for dy in range(down[0], down[1] + 1)]
-    best = np.stack([row.best for row in rows])
-    which = np.argmin(best, 0)
-    j, i = np.indices(which.shape)
-    dx = np.stack([row.dx for row in rows])[which, j, i]
-    around, rest = np.full((3, 3, *which.shape), NONE, np.int32), np.full(which.shape, NONE, np.int32)
+    which = np.argmin(np.stack([row.best for row in rows]), 0)
+    dx = np.take_along_axis(np.stack([row.dx for row in rows]), which[None], 0)[0]
+    lean, rest = np.zeros((3, *which.shape), np.int32), np.full(which.shape, NONE, np.int32)
+    around = np.full((3, 3, *which.shape), NONE, np.int32)
     for n, row in enumerate(rows):
         for k in (-1, 0, 1):
             here = which == n - k
-            if here.any():
-                for m in (-1, 0, 1):
-                    around[1 + k, 1 + m][here] = row.at(dx + m)[here]
-        near = np.abs(which - n) <= 1
-        np.minimum(rest, np.where(near, row.beside(dx), row.best), out=rest)
+            lean[1 + k][here] = (row.dx - dx)[here]
+            around[1 + k][:, here] = np.stack([row.left, row.best, row.right])[:, here]
+        np.minimum(rest, np.where(np.abs(which - n) <= 1, row.beside(dx), row.best), out=rest)
     found = around[1, 1] < NONE
-    return Winners(window, step, found, np.where(found, dx, 0).astype(np.int32),
-                   np.where(found, which + down[0], 0).astype(np.int32), around, rest,
+    return Winners(step, found, np.where(found, dx, 0).astype(np.int32),
+                   np.where(found, which + down[0], 0).astype(np.int32), lean, around, rest,
                    rows[0].checked if len(rows) == 1 else None)
+
+
+def search_places(measurer: Measurer, views: tuple[View, View], window: int, across: tuple[int, int],
+                  down: tuple[int, int] = (0, 0), step: int = 1) -> Places:
+    """As `search_winners`, without what lies beside the best displacements, which takes less time and memory."""
+    best, dx, dy = (np.zeros((1, 1), np.int32) for _ in range(3))
+    for k in range(down[0], down[1] + 1):
+        row = _search_row(measurer, views, window, across, k, step)
+        if k == down[0]:
+            best, dx, dy = row.best, row.dx, np.full_like(row.dx, k)
+        takes = row.best < best
+        best, dx, dy = np.where(takes, row.best, best), np.where(takes, row.dx, dx), np.where(takes, k, dy)
+    found = best < NONE
+    return Places(step, found, np.where(found, dx, 0), np.where(found, dy, 0).astype(np.int32))
 
 
 def _search_row(measurer: Measurer, views: tuple[View, View], window: int, across: tuple[int, int], dy: int, step: int
