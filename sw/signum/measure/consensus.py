@@ -21,6 +21,9 @@ Flags = NDArray[np.bool_]
 Field = NDArray[np.float32]
 AFAR = 1e6
 """Displacement of a place that has none, pixels: like no other."""
+FEWEST = 0.7
+"""Share of a neighbourhood that counts where less of it lies on the grid: in a corner a single false match, found by
+all windows that hold it, would have support enough."""
 ROUNDS = 2
 """Times that a place's displacement moves to the mean of those like it, before the plane is fitted."""
 STEADY = 5.0
@@ -41,17 +44,24 @@ class ConsensusRules:
 
     like_px: float = 1.0
     support: float = 0.3
-    majority: float = 0.7
+    majority: float = 0.5
     contrary_px: float = 2.0
 
 
 class _Around:
-    """The neighbourhood of every place of a grid (ny, nx): places at most `reach` away, every `stride`-th."""
+    """The neighbourhood of every place of a grid (ny, nx): places at most `reach` away, every `stride`-th.
+
+    `count` is how many of them lie on the grid, but no fewer than FEWEST.
+    """
 
     def __init__(self, shape: tuple[int, int], reach: int, stride: int) -> None:
         self.shape, self.pad = shape, reach // stride * stride
         span = range(-self.pad, self.pad + 1, stride)
         self.steps = sorted(((j, i) for j in span for i in span), key=lambda at: at[0] ** 2 + at[1] ** 2)
+        self.count = np.zeros(shape, np.float32)
+        for _, _, (there,) in self.views((np.ones(shape), 0)):
+            self.count += there
+        self.count = np.maximum(self.count, FEWEST * len(self.steps))
 
     def views(self, *fields: tuple[NDArray[np.generic], float]) -> Iterator[tuple[int, int, list[NDArray[np.float32]]]]:
         """For each neighbour, nearest first, its place and the fields shifted there; a field goes on as the number
@@ -101,20 +111,18 @@ def agree_around(dx: Floats, dy: Floats, measured: Flags, sure: Flags, reach: in
 
 def _share(around: _Around, places: Flags) -> Field:
     """Share of each place's neighbours on the grid that are among these places."""
-    among, total = np.zeros(around.shape, np.float32), np.zeros(around.shape, np.float32)
-    for _, _, (there, near) in around.views((np.ones(around.shape), 0), (places, 0)):
+    among = np.zeros(around.shape, np.float32)
+    for _, _, (near,) in around.views((places, 0)):
         among += near
-        total += there
-    return among / total
+    return among / around.count
 
 
 def _support(around: _Around, u: Field, v: Field, u0: Field, v0: Field, like_px: float) -> Field:
     """Share of each place's neighbours on the grid whose displacements (u, v) are like its (u0, v0)."""
-    like, total = np.zeros(around.shape, np.float32), np.zeros(around.shape, np.float32)
-    for _, _, (there, near_u, near_v) in around.views((np.ones(around.shape), 0), (u, AFAR), (v, AFAR)):
+    like = np.zeros(around.shape, np.float32)
+    for _, _, (near_u, near_v) in around.views((u, AFAR), (v, AFAR)):
         like += (near_u - u0) ** 2 + (near_v - v0) ** 2 <= like_px**2
-        total += there
-    return like / total
+    return like / around.count
 
 
 def _mean(around: _Around, u: Field, v: Field, u0: Field, v0: Field, like_px: float) -> tuple[Field, Field]:
