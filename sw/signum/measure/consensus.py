@@ -5,6 +5,9 @@ Under snow or over weak texture many a window finds a chance match, each another
 their neighbours. A place takes its own displacement where enough of the neighbourhood supports it, else the one nearby
 with the most support, and a plane fitted to the displacements like it: noise is averaged, and turns, zooms and slopes
 are kept. A place that measured something else by itself is refused, not overruled: something small may move there.
+
+What turns or zooms as a whole, as a camera's view does, is taken out before, and put back: within a neighbourhood only
+what remains must be alike.
 """
 
 from __future__ import annotations
@@ -26,7 +29,9 @@ FEWEST = 0.7
 all windows that hold it, would have support enough."""
 ROUNDS = 2
 """Times that a place's displacement moves to the mean of those like it, before the plane is fitted."""
-STEADY = 5.0
+SCALES_PX = 16.0, 8.0, 4.0, 2.0, 1.0, 1.0
+"""Residuals beyond which displacements count less in the motion of the whole, round by round."""
+STEADY = 20.0
 """Slopes are held near 0 as by this many places at the neighbourhood's edge."""
 
 
@@ -42,7 +47,7 @@ class ConsensusRules:
         contrary_px: difference from which what a place measured by itself is something else.
     """
 
-    like_px: float = 1.0
+    like_px: float = 0.75
     support: float = 0.3
     majority: float = 0.5
     contrary_px: float = 2.0
@@ -89,7 +94,8 @@ def agree_around(dx: Floats, dy: Floats, measured: Flags, sure: Flags, reach: in
     """
     rules = rules or ConsensusRules()
     around = _Around((dx.shape[0], dx.shape[1]), reach, stride)
-    u, v = (np.where(measured, d, AFAR).astype(np.float32) for d in (dx, dy))
+    u_whole, v_whole = (_of_whole(d, measured) for d in (dx, dy))
+    u, v = (np.where(measured, d, AFAR).astype(np.float32) for d in (dx - u_whole, dy - v_whole))
     share = _support(around, u, v, u, v, rules.like_px)
     share = np.where(measured, share, 0).astype(np.float32)
     own = share >= rules.support
@@ -106,7 +112,22 @@ def agree_around(dx: Floats, dy: Floats, measured: Flags, sure: Flags, reach: in
     enough = np.maximum(rules.support, rules.majority * _share(around, measured))
     u_fit, v_fit = _planes(around, u, v, u_mean, v_mean, rules.like_px)
     contrary = sure & (np.hypot(u - u_fit, v - v_fit) > rules.contrary_px)
-    return np.asarray((support >= enough) & ~contrary), u_fit, v_fit
+    return np.asarray((support >= enough) & ~contrary), u_fit + u_whole, v_fit + v_whole
+
+
+def _of_whole(d: Floats, measured: Flags) -> Floats:
+    """One component of the motion that the whole grid has: a plane through most of the measured displacements."""
+    y, x = (at / max(d.shape) for at in np.indices(d.shape))
+    terms = np.stack([np.ones(d.shape), x, y])
+    known, values = terms[:, measured], d[measured]
+    if values.size < terms.shape[0]:
+        return np.zeros(d.shape)
+    plane = np.array([np.median(values), 0.0, 0.0])
+    for scale in SCALES_PX:
+        weight = 1 / (1 + ((values - plane @ known) / scale) ** 2) ** 2
+        normal = (weight * known) @ known.T + 1e-6 * np.eye(3)
+        plane = np.linalg.solve(normal, (weight * known) @ values)
+    return np.asarray(np.tensordot(plane, terms, 1))
 
 
 def _share(around: _Around, places: Flags) -> Field:
