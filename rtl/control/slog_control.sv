@@ -11,7 +11,8 @@ module slog_control
   import slog_pkg::*;
   import slog_cfg_pkg::*;
 #(
-    localparam int unsigned AddrW = $clog2(StoreWords)
+    parameter  bit          Extension = 1'b0,
+    localparam int unsigned AddrW     = $clog2(StoreWords)
 ) (
     input  logic                           clk_i,
     input  logic                           rst_i,
@@ -61,6 +62,14 @@ module slog_control
     output logic [AddrW-1:0]               peek_addr_o,
     input  logic                           peek_done_i,
     input  logic [GroupBits-1:0]           peek_data_i,
+    // extension
+    output logic                           ext_req_o,        // pulse
+    output logic                           ext_is_wr_o,
+    output logic [AxilAddrW-1:0]           ext_addr_o,
+    output logic [31:0]                    ext_data_o,
+    output logic [31:0]                    ext_biten_o,
+    input  logic [31:0]                    ext_rd_data_i,
+    input  logic                           ext_irq_i,
     output logic                           irq_o
 );
   // Cameras that the register map has counters for.
@@ -82,7 +91,7 @@ module slog_control
   logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
   logic [AxilAddrW-1:0] req_addr;
-  logic [31:0] req_data, req_biten, rd_data;
+  logic [31:0] req_data, req_biten, rd_data, csr_rd_data;
 
   // The registers, the coefficient bank and the peek port are idle without an access, an event, a commit or a peek.
   slog_clock_gate #(
@@ -156,12 +165,19 @@ module slog_control
       .s_cpuif_req_stall_rd(stall_rd),
       .s_cpuif_rd_ack      (rd_ack),
       .s_cpuif_rd_err      (rd_err),
-      .s_cpuif_rd_data     (rd_data),
+      .s_cpuif_rd_data     (csr_rd_data),
       .s_cpuif_wr_ack      (wr_ack),
       .s_cpuif_wr_err      (wr_err),
       .hwif_in,
       .hwif_out
   );
+
+  assign ext_req_o   = req;
+  assign ext_is_wr_o = req_is_wr;
+  assign ext_addr_o  = req_addr;
+  assign ext_data_o  = req_data;
+  assign ext_biten_o = req_biten;
+  assign rd_data     = csr_rd_data | (ext_rd_data_i & {32{Extension}});
 
   slog_filter_bank #(
       .Cameras(Cameras),
@@ -338,7 +354,8 @@ module slog_control
       irq_q <= (seen_q && hwif_out.irq_enable.result.value) ||
                (hwif_out.irq_status.capture.value && hwif_out.irq_enable.capture.value) ||
                (hwif_out.irq_status.drop.value && hwif_out.irq_enable.drop.value) ||
-               (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value);
+               (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value) ||
+               (Extension && ext_irq_i);
   end
   assign irq_o = irq_q;
 
