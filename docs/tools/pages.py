@@ -134,7 +134,7 @@ def _default(option: Any) -> str:
 
 
 def registers_table(dense: bool = False) -> str:
-    """Markdown of every register: address, name, fields with their bits; those of all boards, or of the dense engine."""
+    """Markdown of every register of all boards, or of the dense engine: address, name, fields with their bits."""
     from sim.registers.map import dense_fields, fields
 
     found: dict[str, tuple[int, list[str]]] = {}

@@ -91,7 +91,7 @@ module slog_control
   logic peek_ready, peek_wait_q;
   logic bus_busy, req, req_is_wr, wr_ack, rd_ack, stall_wr, stall_rd, rd_err, wr_err;
   logic [AxilAddrW-1:0] req_addr;
-  logic [31:0] req_data, req_biten, rd_data, csr_rd_data;
+  logic [31:0] req_data, req_biten, rd_data;
 
   // The registers, the coefficient bank and the peek port are idle without an access, an event, a commit or a peek.
   slog_clock_gate #(
@@ -145,7 +145,7 @@ module slog_control
       .req_biten_o(req_biten),
       .wr_ack_i   (wr_ack),
       .rd_ack_i   (rd_ack),
-      .rd_data_i  (rd_data)
+      .rd_data_i  (rd_data | (ext_rd_data_i & {32{Extension}}))
   );
   // Every address is answered: bresp and rresp are always OKAY. The protection bits are ignored.
   logic unused_prot;
@@ -165,7 +165,7 @@ module slog_control
       .s_cpuif_req_stall_rd(stall_rd),
       .s_cpuif_rd_ack      (rd_ack),
       .s_cpuif_rd_err      (rd_err),
-      .s_cpuif_rd_data     (csr_rd_data),
+      .s_cpuif_rd_data     (rd_data),
       .s_cpuif_wr_ack      (wr_ack),
       .s_cpuif_wr_err      (wr_err),
       .hwif_in,
@@ -177,7 +177,6 @@ module slog_control
   assign ext_addr_o  = req_addr;
   assign ext_data_o  = req_data;
   assign ext_biten_o = req_biten;
-  assign rd_data     = csr_rd_data | (ext_rd_data_i & {32{Extension}});
 
   slog_filter_bank #(
       .Cameras(Cameras),

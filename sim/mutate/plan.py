@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from sim.mutate.sites import Mutant, mutants_of
-from sim.toolchain import RTL, listed_sources
+from sim.toolchain import RTL, rtl_sources
 
 SHARE = 0.079
 """Share of a module's possible mutants that is listed: some 700 in all."""
@@ -83,7 +83,7 @@ def path_of(module: str) -> Path:
     Raises:
         KeyError: if there is no such module.
     """
-    paths = {path.stem: path for name in listed_sources() for path in RTL.glob(name.replace("{config}", "tiny"))}
+    paths = {path.stem: path for config in ("tiny_dense", "tiny") for path in rtl_sources(config)}
     paths |= {f"ecp5/{path.stem}": path for path in (RTL / "ecp5").glob("*.sv")}
     return paths[module]
 
