@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from golden import correlate, log
 from golden.compiled.calls import Kernel, Packed, choose, unpack
 from golden.correlate import Job, Result, Status
+from golden.dense_job import DenseJob, DenseResult, DenseStatus, run_dense
 from golden.params import FULL, Config
 from golden.tables import (
     JOB_FIELDS,
@@ -147,6 +148,11 @@ class GoldenBoard(Board):
             return Result(job.tag, Status.OK, *correlate.peak(surface)), surface
         found, surface = self._kernel.surface(table, self._packed)
         return table_results(found, [job.tag])[0], surface
+
+    def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
+        held = self._packed if self._kernel else self._planes
+        planes = {slot: self._read_plane(slot) for slot in {job.left, job.right} if slot in held}
+        return run_dense(job, planes, self.config, self.image_size)
 
     def _run_table(self, jobs: IntTable) -> IntTable:
         status = self._check(jobs)

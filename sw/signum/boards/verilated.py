@@ -9,6 +9,7 @@ from pathlib import Path
 
 from golden import log
 from golden.correlate import Job, Result, Status
+from golden.dense_job import DenseJob, DenseResult, DenseStatus
 from golden.params import FULL, Config
 from signum.boards.board import Board, BoardError, Identification, Surface
 from signum.common.arrays import Image
@@ -110,3 +111,6 @@ class VerilatedBoard(Board):
         if result.status is not Status.OK:
             return result, None
         return result, self._device.surface(job.offsets_x * job.offsets_y).reshape(job.offsets_y, job.offsets_x)
+
+    def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
+        raise BoardError("the Verilated board does not run its dense engine yet: use the golden board")
