@@ -79,5 +79,12 @@ dense/slog_dense_winner.sv
 dense/slog_dense_back.sv
 dense/slog_dense_group.sv
 dense/slog_dense_engine.sv
+dense/slog_dense_plan.sv
+dense/slog_dense_room.sv
+dense/slog_dense_stream.sv
+dense/slog_dense_feed.sv
+dense/slog_dense_check.sv
+dense/slog_dense_out.sv
+dense/slog_dense_pass.sv
 dense/slog_dense.sv
 slog_board.sv

@@ -84,4 +84,45 @@ package slog_dense_pkg;
     sum_t                 upper;
     sum_t                 rest;
   } map_t;
+
+  // What slog_dense_plan makes of a job. Addresses are of store words, modulo the address width of the board.
+  typedef struct packed {
+    logic [2:0]  shrink;       // window is MaxWindow >> shrink
+    logic [9:0]  mask;         // -window: n >= window exactly where n & mask is not 0
+    logic [15:0] left;         // word that the left plane's row 0 begins with
+    logic [15:0] right;        // word that the right plane's row -down begins with, from column on
+    logic [15:0] above;        // words from a row to that a window's height above it
+    logic [10:0] pitch;        // clocks from row to row
+    logic [9:0]  left_delay;   // clocks by which the left row follows the right one, or the other way round
+    logic [9:0]  right_delay;
+    logic [9:0]  column;       // of the right plane, where its rows begin: the first of a word
+    logic [9:0]  skip;         // columns from there that no left pixel meets
+    logic [9:0]  count;        // columns from there to the last that one meets
+    logic        meets;        // any does
+    logic [9:0]  words;        // of the map in one row
+  } plan_t;
+
+  // What one plane's row needs to be sent: slog_dense_stream.
+  typedef struct packed {
+    logic [15:0] incoming;       // words of its first column: in the row that comes into the windows,
+    logic [15:0] leaving;        // and in the one that leaves them
+    logic        has_incoming;   // the row lies in the plane; where it does not, its bits are 0
+    logic        has_leaving;
+    logic [9:0]  column;         // of the row's first bit, the first of a word
+    logic [9:0]  skip;           // columns that are not sent
+    logic [9:0]  count;          // columns with them
+    logic [1:0]  ok;             // left_ok_i or right_ok_i of slog_dense_engine, where the window lies between the sides
+    logic        first;
+  } row_t;
+
+  // The winner of a left pixel with what the right plane says of it.
+  typedef struct packed {
+    logic                 found;
+    logic                 agrees;
+    logic [IndexBits-1:0] index;
+    sum_t                 best;
+    sum_t                 lower;
+    sum_t                 upper;
+    sum_t                 rest;
+  } checked_t;
 endpackage : slog_dense_pkg

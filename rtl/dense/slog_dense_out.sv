@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// The map's words: every step_x-th column of every step_y-th row, judged, packed, and queued for the sink.
+//
+//   valid = found && best <= most && (rest == Absent || rest - best >= margin) && (agrees || !check)
+//
+// Stage  registers
+//   1    sums compared, column and row counted
+//   2    word_q, push_q
+//   3..8 slog_ram_fifo, slog_stage: map_tvalid_o with the word
+// Latency    : a word is offered 8 clocks after its pixel at the earliest.
+// Throughput : one pixel per clock in, one word per clock out.
+// Rules      : clear_i before every map, until its pixels come; then image_height_i rows of image_width_i pixels, with any
+//              pauses. image_width_i is 2 or more. Whoever sends pixels knows that there is room for their words: Depth
+//              of them (slog_dense_room). tail_i, when no pixel is due: one word more, the last, in which no offset counts.
+// Formats    : map_t; map_tuser_o with the first word of a map, map_tlast_o with the last.
+// Reset      : rst_i is held for 1 clock or more.
+`include "slog_assert.svh"
+module slog_dense_out
+  import slog_dense_pkg::*;
+#(
+    parameter int unsigned Depth = 2048
+) (
+    input  logic           clk_i,
+    input  logic           rst_i,
+    input  logic           clear_i,
+    input  logic           tail_i,
+    input  logic           valid_i,
+    input  checked_t       pixel_i,
+    input  logic     [9:0] image_width_i,
+    input  logic     [9:0] image_height_i,
+    input  logic     [7:0] step_x_i,
+    input  logic     [7:0] step_y_i,
+    input  sum_t           most_i,
+    input  sum_t           margin_i,
+    input  logic           check_i,
+    output logic           map_tvalid_o,
+    input  logic           map_tready_i,
+    output map_t           map_tdata_o,
+    output logic           map_tuser_o,
+    output logic           map_tlast_o,
+    output logic           taken_o          // pulse: the sink took a word in the clock before
+);
+  localparam checked_t Nothing = '{found: 1'b0, agrees: 1'b0, index: '0, default: Absent};
+
+  typedef struct packed {
+    logic first;
+    logic last;
+    map_t data;
+  } word_t;
+
+  // Place in the image. gap: columns or rows to the next that has a word, left: with this one to the end.
+  logic [7:0] gap_x_q, gap_y_q;
+  logic [9:0] left_x_q, left_y_q;
+  logic ends_q;                    // left_x_q == 1
+  logic low_q;                     // this row is the last with words
+  logic emit_q, edge_q, tail_q;
+  always_ff @(posedge clk_i) begin
+    low_q <= left_y_q <= 10'(step_y_i);
+    if (clear_i) begin
+      gap_x_q  <= '0;
+      gap_y_q  <= '0;
+      left_x_q <= image_width_i;
+      left_y_q <= image_height_i;
+      ends_q   <= 1'b0;
+    end else if (valid_i) begin
+      gap_x_q  <= ends_q ? '0 : gap_x_q == '0 ? step_x_i - 1'b1 : gap_x_q - 1'b1;
+      left_x_q <= ends_q ? image_width_i : left_x_q - 1'b1;
+      ends_q   <= left_x_q == 10'd2;
+      if (ends_q) begin
+        gap_y_q  <= gap_y_q == '0 ? step_y_i - 1'b1 : gap_y_q - 1'b1;
+        left_y_q <= left_y_q - 1'b1;
+      end
+    end
+  end
+
+  // Stage 1.
+  checked_t pixel_q;
+  sum_t over_q;
+  logic near_q, alone_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      emit_q <= 1'b0;
+      tail_q <= 1'b0;
+    end else begin
+      emit_q <= valid_i && !clear_i && gap_x_q == '0 && gap_y_q == '0;
+      tail_q <= tail_i;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    edge_q  <= left_x_q <= 10'(step_x_i);
+    pixel_q <= tail_i ? Nothing : pixel_i;
+    over_q  <= pixel_i.rest - pixel_i.best;
+    near_q  <= pixel_i.best <= most_i;
+    alone_q <= pixel_i.rest == Absent;
+  end
+
+  // Stage 2.
+  word_t word_q;
+  logic push_q, begun_q, good;
+  assign good = pixel_q.found && near_q && (alone_q || over_q >= margin_i) && (pixel_q.agrees || !check_i);
+  always_ff @(posedge clk_i) begin
+    if (rst_i) push_q <= 1'b0;
+    else push_q <= emit_q || tail_q;
+  end
+  always_ff @(posedge clk_i) begin
+    if (clear_i) begun_q <= 1'b0;
+    else if (emit_q) begun_q <= 1'b1;
+    word_q <= '{
+        first: !begun_q,
+        last: tail_q || (edge_q && low_q),
+        data: '{zero: '0, valid: good, agrees: pixel_q.agrees, found: pixel_q.found, index: pixel_q.index,
+                best: pixel_q.best, lower: pixel_q.lower, upper: pixel_q.upper, rest: pixel_q.rest}
+    };
+  end
+
+  // The nine zeros are not stored.
+  localparam int unsigned StoredW = $bits(word_t) - 9;
+  logic [StoredW-1:0] stored, offered, shown;
+  logic some, take, taken_q;
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic room;                              // only asserted: slog_dense_room has seen to it
+  logic [$clog2(Depth + 1)-1:0] level;
+  /* verilator lint_on UNUSEDSIGNAL */
+  assign stored = {word_q.first, word_q.last, word_q.data[$bits(map_t)-10:0]};
+  slog_ram_fifo #(
+      .Width(StoredW),
+      .Depth(Depth),
+      .Kept (1'b1)
+  ) u_fifo (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (push_q),
+      .in_ready_o (room),
+      .in_data_i  (stored),
+      .out_valid_o(some),
+      .out_ready_i(some && take),
+      .out_data_o (offered),
+      .level_o    (level)
+  );
+  slog_stage #(
+      .Width(StoredW)
+  ) u_stage (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (some),
+      .in_ready_o (take),
+      .in_data_i  (offered),
+      .out_valid_o(map_tvalid_o),
+      .out_ready_i(map_tready_i),
+      .out_data_o (shown)
+  );
+  always_ff @(posedge clk_i) begin
+    if (rst_i) taken_q <= 1'b0;
+    else taken_q <= map_tvalid_o && map_tready_i;
+  end
+  assign map_tuser_o = shown[StoredW-1];
+  assign map_tlast_o = shown[StoredW-2];
+  assign map_tdata_o = {9'd0, shown[StoredW-3:0]};
+  assign taken_o     = taken_q;
+
+  `SLOG_ASSERT(SlogDenseOutRoom, !push_q || room)
+  `SLOG_ASSERT(SlogDenseOutTail, !(tail_q && emit_q))
+  `SLOG_ASSERT(SlogDenseOutValid, !(emit_q && good) || (pixel_q.found && pixel_q.best <= most_i))
+  `SLOG_ASSERT_STABLE(SlogDenseOutStable, map_tvalid_o, map_tready_i,
+                      {map_tuser_o, map_tlast_o, map_tdata_o})
+endmodule : slog_dense_out
