@@ -76,7 +76,8 @@ async def each_cause_alone(dut) -> None:
 
     def access(address: int, data: int, **more: int) -> Stimulus:
         for age in range(10):
-            yield {"req_i": int(age == 0), "is_wr_i": 1, "addr_i": address, "data_i": data, "biten_i": 0xFFFFFFFF, **more}
+            yield {"req_i": int(age == 0), "is_wr_i": 1, "addr_i": address, "data_i": data, "biten_i": 0xFFFFFFFF,
+                   **more}
 
     def stimulus() -> Stimulus:
         for address, data, busy, _ in script:
@@ -108,6 +109,6 @@ def test_the_map_is_the_source_and_leaves_the_board_s_alone() -> None:
         if isinstance(node, FieldNode):
             assert isinstance(node.parent, RegNode)
             found[node.get_path().partition(".")[2]] = Field(node.parent.absolute_address, node.low, node.width)
-    assert found == dense_fields() and len(found) > 25
+    assert found == dense_fields() and len(found) >= 25
     assert {f.address for f in found.values()}.isdisjoint(f.address for f in fields().values())
     assert all(name.startswith("dense.") for name in found) and not any(name.startswith("dense.") for name in fields())

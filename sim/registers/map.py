@@ -53,7 +53,7 @@ def _walk(node: Any, path: str) -> Iterator[tuple[str, Field]]:
 
 @cache
 def fields() -> dict[str, Field]:
-    """Every field of the registers that all boards have, by dotted path; array elements as `result.neighbour[0].even`."""
+    """Every field of the registers of all boards, by dotted path; array elements as `result.neighbour[0].even`."""
     return dict(_walk(import_module("sim.registers.gen.slog_csr").get_ral(), ""))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cycle model of `slog_dense_control`: the registers of the dense engine, behind the extension port of `slog_control`."""
+"""Cycle model of `slog_dense_control`: the dense engine's registers, behind the extension port of `slog_control`."""
 
 from __future__ import annotations
 
@@ -54,7 +54,8 @@ class DenseControlModel:
         value, answer = self.registers.value, self.registers.answer
         job = {name: value[f"dense.{path}"] for name, path in JOB_FIELDS.items()}
         return {"rd_data_o": None if self.unknown else answer[0] if answer else 0, "irq_o": self.irq,
-                "start_o": self.start, "cancel_o": value["dense.run.cancel"], "job_o": DENSE_JOB.pack({**job, "live": 0})}
+                "start_o": self.start, "cancel_o": value["dense.run.cancel"],
+                "job_o": DENSE_JOB.pack({**job, "live": 0})}
 
     def _status(self, i: Inputs, free: bool) -> dict[str, int | None]:
         """Fields driven by hardware, as the host would read them in this clock."""
