@@ -40,25 +40,27 @@ class DensePassModel:
         self.cancelled = self.early = False
         self.left = self.wait = 0
         """Clocks of the flush, and until a row may start."""
-        self.pulses = dict.fromkeys(("begin_o", "row_o", "reserve_o", "tail_o", "done_o", "stall_o", "slot_busy_o"), 0)
+        self.pulses = dict.fromkeys(("begin_o", "row_o", "reserve_o", "tail_o", "stall_o", "slot_busy_o"), 0)
         self.pulses["clear_o"] = 1
 
     @property
     def out(self) -> Values:
         return {**self.pulses, "job_o": self.job, "image_width_o": self.size[0], "image_height_o": self.size[1],
                 "plan_o": int(self.state == MARK), "flush_o": int(self.state == FLUSH), "words_o": self.words,
+                "done_o": int(self.state == OVER),
                 "busy_o": int(self.state != IDLE), "status_o": self.status}
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out, state = self.out, self.state
         due = state == ROWS and self.wait == 0
-        ending = due and (not self.rows or self.cancelled)
+        whole = self.rows <= (self.gap or 0)
+        ending = due and (whole or self.cancelled)
         going = due and not ending and bool(i["room_i"])
         accepted = state == PLAN and bool(i["planned_i"]) and i["status_i"] == OK
         ended = state == EMPTY and bool(i["empty_i"])
         self.pulses = {
-            "begin_o": int(accepted), "row_o": int(going), "tail_o": int(state == TAIL), "done_o": int(state == OVER),
+            "begin_o": int(accepted), "row_o": int(going), "tail_o": int(state == TAIL),
             "reserve_o": int(going and self.gap == 0 or ended and self.early), "clear_o": int(state not in MAPPING),
             "stall_o": int(due and not ending and not going), "slot_busy_o": self._slots() if state in READING else 0}
         self.words = 1 if state in (EMPTY, TAIL) else None if self.gap is None else i["row_words_i"] * (not self.gap)
@@ -66,7 +68,7 @@ class DensePassModel:
         self.state = self._next(i, ending, ended)
         self._count(i, state, going)
         if ending:
-            self.early = bool(self.rows)
+            self.early = not whole
         if state == TAIL:
             self.early = False
         self.cancelled = state != IDLE and (self.cancelled or bool(i["cancel_i"]))
