@@ -147,7 +147,7 @@ module slog_dense_engine
                     Sizes >= 1 && MaxWindow >> (Sizes - 1) >= 2 && MaxWindow % (1 << (Sizes - 1)) == 0)
 `ifndef SYNTHESIS
   logic [15:0] flushed_q;  // clocks that the flush lasts, up to Flush
-  always_ff @(posedge clk_i) flushed_q <= !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
+  always_ff @(posedge clk_i) flushed_q <= rst_i || !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
 `endif
   `SLOG_ASSERT(SlogDenseEngineWholeFlush, flush_i || flushed_q == '0 || 32'(flushed_q) == Flush)
   `SLOG_ASSERT(SlogDenseEngineFlush, !flush_i || !(left_valid_i || right_valid_i))

@@ -2,9 +2,9 @@
 // Leads the dense engine through a pass: check, flush, rows as there is room for their words, the end.
 //
 // Sequence of a start: mark the slots -> slog_dense_plan -> flush -> rows -> wait for the last row's feed, which frees the slots
-// -> wait until the sink has taken every word -> done. A refused job is done after the plan. After a cancel no row is
-// started any more; when all words of those under way have been taken, one word more ends the map (tail_o), unless the
-// last row was already under way.
+// -> wait until the sink has taken every word -> done. A refused job is done after the plan. Rows after the last one that has
+// words are not sent. After a cancel no row is started any more; when all words of those under way have been taken, one
+// word more ends the map (tail_o), unless the last row was already under way.
 //
 //   clock  registers
 //   0      start_i: the job is taken over
@@ -13,7 +13,7 @@
 //   ..     row_o, plan.pitch clocks or more apart
 // Throughput : rows plan.pitch clocks apart as long as there is room for their words.
 // Rules      : start_i counts while busy_o is low. job_o and the image's size stay until the next start.
-// Formats    : status_o is of the last start, from done_o on. stall_o: a row could start but for the room.
+// Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could start but for the room.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_pass
@@ -65,10 +65,10 @@ module slog_dense_pass
   logic [10:0] wait_q;                 // clocks until a row may start
   logic due_q;                         // wait_q is over
   logic [9:0] rows_left_q;
-  logic none_q;                        // rows_left_q is 0
+  logic none_q;                        // no row is left that has words
   logic [7:0] gap_q;                   // rows until the next that has words
   logic [9:0] words_q;
-  logic row_q, reserve_q, tail_out_q, begin_q, done_q, stall_q, clear_q, go, stop, ended, refused;
+  logic row_q, reserve_q, tail_out_q, begin_q, stall_q, clear_q, go, stop, ended, refused;
   logic [7:0] slot_busy_q;
 
   assign stop    = rows_q && due_q && (none_q || cancel_q);
@@ -91,7 +91,6 @@ module slog_dense_pass
       row_q       <= 1'b0;
       reserve_q   <= 1'b0;
       tail_out_q  <= 1'b0;
-      done_q      <= 1'b0;
       stall_q     <= 1'b0;
       clear_q     <= 1'b1;
       slot_busy_q <= '0;
@@ -110,7 +109,6 @@ module slog_dense_pass
       row_q      <= go;
       reserve_q  <= (go && gap_q == '0) || (ended && early_q);
       tail_out_q <= tail_q;
-      done_q     <= over_q;
       stall_q    <= rows_q && due_q && !none_q && !cancel_q && !room_i;
       clear_q    <= !(rows_q || drain_q || empty_q || tail_q);
       for (int unsigned s = 0; s < 8; s++) begin
@@ -141,13 +139,12 @@ module slog_dense_pass
     due_q        <= flush_q || (due_q && !go) || (!go && wait_q == '0);
     if (flush_q) begin
       rows_left_q <= height_q;
-      none_q      <= 1'b0;
       gap_q       <= '0;
     end else if (go) begin
       rows_left_q <= rows_left_q - 1'b1;
-      none_q      <= rows_left_q == 10'd1;
       gap_q       <= gap_q == '0 ? job_q.step_y - 1'b1 : gap_q - 1'b1;
     end
+    none_q  <= rows_left_q <= 10'(gap_q);
     words_q <= empty_q || tail_q ? 10'd1 : gap_q == '0 ? row_words_i : '0;
   end
 
@@ -164,11 +161,11 @@ module slog_dense_pass
   assign reserve_o      = reserve_q;
   assign tail_o         = tail_out_q;
   assign busy_o         = !idle_q;
-  assign done_o         = done_q;
+  assign done_o         = over_q;
   assign status_o       = status_q;
   assign stall_o        = stall_q;
 
   `SLOG_ASSERT(SlogDensePassState,
                $onehot({idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
-  `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 3)
+  `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 4)
 endmodule : slog_dense_pass

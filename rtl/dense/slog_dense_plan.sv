@@ -12,7 +12,7 @@
 // Why the pitch: more than 2 * Lanes clocks lie between left rows; the longest delay, Offsets + Width - 2, is over before the
 // next row; and of rows no more than two meet in any lane, which have different parities.
 //
-// Clocks     : as many as the map has words in a row, or as down has rows, 8 at least, and 4.
+// Clocks     : as many as the map has words in a row, or as down has rows, 8 at least, and 3.
 // Latency    : done_o is high in that clock after start_i; plan_o and status_o are valid from it on, while job_i is stable.
 // Throughput : one job at a time. The plan of a refused job is undefined.
 // Reset      : rst_i is held for 1 clock or more.
