@@ -19,7 +19,7 @@ from golden.cycle.dense.structs import CANCELLED, DENSE_JOB, MAP, NO_SUM, NOTHIN
 from golden.cycle.dense.out import map_word
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY
-from golden.dense_job import DenseJob, DenseResult, DenseStatus, check_dense, judge
+from golden.dense_job import STEP_MAX, DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.dense import DensePass, dense
 from golden.params import Config
 from golden.traffic.stalls import SHAPES, ready_pattern
@@ -120,6 +120,37 @@ def verify(start: Start, outcome: Outcome, config: Config) -> bool:
             str(MAP.unpack(words[n])) for words in (found, wanted) if n < len(words)))
     assert [(first, last) for _, first, last in outcome.words] == flags, start
     return early
+
+
+def any_job(rng: random.Random, config: Config, width: int) -> dict[str, int]:
+    """An acceptable job's fields, of any slots: every window, direction, step and limit, most of them near what matters.
+
+    Args:
+        rng: for the choice.
+        config: of the board.
+        width: of the image, pixels.
+    """
+    most = config.dense_offsets
+    offsets = rng.choice((1, 2, most, rng.randint(1, most)))
+    window = rng.choice(config.dense_windows)
+    near = rng.choice((1 - most, -most, -most - 1, -most - config.group_bits, 1 - width - most, width - 1, width))
+    steps = [rng.choice((1, 1, 2, 3, rng.randint(1, width), STEP_MAX)) for _ in range(2)]
+    return {"left_slot": rng.randrange(config.slots), "right_slot": rng.randrange(config.slots), "window": window,
+            "offsets": offsets, "check": rng.getrandbits(1), "live": 0,
+            "start": rng.choice((0, 1 - offsets, rng.randint(-12, 12), rng.randint(-width, width), near, -512, 511)),
+            "down": rng.choice((0, 0, 1, -1, rng.randint(-9, 9), rng.randint(-40, 40), -512, 511)),
+            "step_x": min(STEP_MAX, steps[0]), "step_y": min(STEP_MAX, steps[1]),
+            "most": rng.choice((NO_SUM, 0, rng.randint(0, window * window // 2))),
+            "margin": rng.choice((0, 1, rng.randint(0, window * window // 4), NO_SUM))}
+
+
+def bad_job(rng: random.Random, config: Config, width: int) -> dict[str, int]:
+    """A job that is refused for one reason or several."""
+    wrong = {"window": rng.choice((0, 2, 2 * config.dense_window % 64, 5)),
+             "offsets": rng.choice((0, config.dense_offsets + 1, 511)), "left_slot": rng.randint(config.slots, 7),
+             "right_slot": rng.randint(config.slots, 7), "step_x": 0, "step_y": 0}
+    chosen = rng.sample(list(wrong), rng.choice((1, 1, 2, 3)))
+    return {**any_job(rng, config, width), **{name: wrong[name] for name in chosen}}
 
 
 @dataclass
