@@ -5,11 +5,9 @@ import random
 
 import cocotb
 import numpy as np
-import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.drive import drive
-from cocotb_tests.env.params import params
 from golden.correlate import Plane
 from golden.cycle.dense.block import DenseBlockModel
 from golden.cycle.dense.structs import NO_SUM
@@ -52,7 +50,8 @@ def _bad(rng: random.Random) -> list[Start]:
     for name in ("left_slot", "right_slot"):
         start = _start(rng, (20, 10), left_slot=0, right_slot=1)
         starts.append(Start(start.job, {n: p for n, p in start.planes.items() if n != start.job[name]}, start.size))
-    return [Start(start.job, {n: p for n, p in start.planes.items() if n < BUILD.slots}, start.size) for start in starts]
+    return [Start(start.job, {n: p for n, p in start.planes.items() if n < BUILD.slots}, start.size)
+            for start in starts]
 
 
 def _any(rng: random.Random) -> Start:

@@ -1,28 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The surroundings of `slog_dense` for its tests: a store, a host that starts passes, and a sink for their maps.
 
-`DenseBlockTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together. What came out of every start
-is held against the frame level.
+`DenseBlockTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together. What came of each start
+is held against the frame level by `verify`.
 """
 
 from __future__ import annotations
 
 import random
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
 
 from golden.correlate import Plane
 from golden.cycle.bits import or_zero
+from golden.cycle.dense.out import map_word
 from golden.cycle.dense.plan import DenseBuild
 from golden.cycle.dense.structs import CANCELLED, DENSE_JOB, MAP, NO_SUM, NOTHING
-from golden.cycle.dense.out import map_word
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY
-from golden.dense_job import STEP_MAX, DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.dense import DensePass, dense
+from golden.dense_job import STEP_MAX, DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.params import Config
-from golden.traffic.stalls import SHAPES, ready_pattern
+from golden.traffic.stalls import ready_pattern
 from golden.traffic.store import plane_words
 
 LONGEST = 200_000
@@ -107,7 +107,7 @@ def verify(start: Start, outcome: Outcome, config: Config) -> bool:
     sent = (len(rows) - 1) * start.job["step_y"] + 1 if rows else 0
     if early:
         assert start.cancel is not None and outcome.rows < sent, start
-        rows = rows[:-(-outcome.rows // start.job["step_y"])] + [[map_word(NOTHING, 0, 0, 0)]]
+        rows = [*rows[:-(-outcome.rows // start.job["step_y"])], [map_word(NOTHING, 0, 0, 0)]]
     else:
         assert outcome.status == status, (start.job, outcome.status, status)
         assert outcome.rows == sent, (start.job, outcome.rows, sent)
@@ -115,15 +115,16 @@ def verify(start: Start, outcome: Outcome, config: Config) -> bool:
     flags = [(int(n == 0), int(n == len(wanted) - 1)) for n in range(len(wanted))]
     found = [word for word, *_ in outcome.words]
     if found != wanted:
-        n = next((n for n, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
-        raise AssertionError(f"{start.job}, size {start.size}: {len(found)} words of {len(wanted)}; word {n}: " + "; ".join(
-            str(MAP.unpack(words[n])) for words in (found, wanted) if n < len(words)))
+        same = [a == b for a, b in zip(found, wanted, strict=False)]
+        n = same.index(False) if False in same else len(same)
+        both = [MAP.unpack(words[n]) for words in (found, wanted) if n < len(words)]
+        raise AssertionError(f"{start.job}, size {start.size}: {len(found)} words of {len(wanted)}; word {n}: {both}")
     assert [(first, last) for _, first, last in outcome.words] == flags, start
     return early
 
 
 def any_job(rng: random.Random, config: Config, width: int) -> dict[str, int]:
-    """An acceptable job's fields, of any slots: every window, direction, step and limit, most of them near what matters.
+    """An acceptable job's fields: every slot, window, direction, step and limit, most of them near what matters.
 
     Args:
         rng: for the choice.
@@ -197,7 +198,7 @@ class DenseBlockTraffic:
             for _ in range(self.rng.choice((0, 0, 1, 9))):
                 yield from self._clock({**self._noise(), "start_i": 0})
 
-    def _clock(self, now: Inputs) -> Stimulus:
+    def _clock(self, now: Inputs) -> Generator[Inputs, Outputs, Outputs]:
         """A clock with the store's answer; returns what the block shows."""
         word = self.flight.popleft()
         out = yield {**now, "rd_data_i": self.rng.getrandbits(self.config.group_bits) if word is None else word}
