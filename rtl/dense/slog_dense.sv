@@ -59,7 +59,7 @@ module slog_dense
     output logic                   map_tuser_o,   // first word of a map
     output logic                   map_tlast_o,   // last word of a map
     output logic                   busy_o,
-    output logic                   done_o,        // the last clock of busy_o: all words were taken, or the job was refused
+    output logic                   done_o,        // last clock of busy_o: all words taken, or job refused
     output dense_status_e          status_o,      // of the last start, from done_o on
     output logic                   row_o,         // pulse: a row was started
     output logic                   stall_o        // a clock in which a row waited for room

@@ -181,5 +181,6 @@ module slog_dense_pass
   `SLOG_ASSERT(SlogDensePassState,
                $onehot({idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
   `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
-  `SLOG_ASSERT(SlogDensePassCopies, held_q == !idle_q && reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
+  `SLOG_ASSERT(SlogDensePassCopies, held_q == !idle_q &&
+               reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
 endmodule : slog_dense_pass
