@@ -5,16 +5,14 @@ import random
 
 import cocotb
 import numpy as np
-import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.drive import drive
-from cocotb_tests.env.params import params
 from golden.correlate import Plane
 from golden.cycle.dense.block import DenseBlockModel
 from golden.cycle.dense.structs import NO_SUM
 from golden.params import TINY_DENSE
-from golden.traffic.dense_block import DenseBlockTraffic, Start, build_of, verify
+from golden.traffic.dense_block import DenseBlockTraffic, Start, any_job, bad_job, build_of, verify
 from golden.traffic.stalls import SHAPES
 from sim.testbench.runner import simulate
 
@@ -45,30 +43,22 @@ def _start(rng: random.Random, size: tuple[int, int], **chosen: int) -> Start:
 
 
 def _bad(rng: random.Random) -> list[Start]:
-    """Starts that are refused, with the reasons that come after theirs as well."""
-    small, good = (20, 10), (48, 36)
-    found = [_start(rng, good, window=window) for window in (0, 2, 16, 32, 5)]
-    found += [_start(rng, (16, 7), offsets=0, left_slot=7), _start(rng, good, offsets=0, right_slot=3, step_x=0),
-              _start(rng, small, offsets=17, step_y=0), _start(rng, small, left_slot=3, step_y=0),
-              _start(rng, small, right_slot=7), _start(rng, small, step_x=0), _start(rng, small, step_y=0)]
+    """Starts that are refused: for their numbers, for an image smaller than the window, for a slot without a frame."""
+    numbers = [bad_job(rng, TINY_DENSE, 48) for _ in range(16)]
+    starts = [Start(job, _planes(rng, (48, 36), job), (48, 36)) for job in numbers]
+    starts += [_start(rng, (16, 7)), _start(rng, (48, 3), window=4)]
     for name in ("left_slot", "right_slot"):
-        start = _start(rng, small, left_slot=0, right_slot=1)
-        found.append(Start(start.job, {n: p for n, p in start.planes.items() if n != start.job[name]}, small))
-    return [Start({**start.job, "live": rng.getrandbits(1)}, {n: p for n, p in start.planes.items() if n < BUILD.slots},
-                  start.size) for start in found]
+        start = _start(rng, (20, 10), left_slot=0, right_slot=1)
+        starts.append(Start(start.job, {n: p for n, p in start.planes.items() if n != start.job[name]}, start.size))
+    return [Start(start.job, {n: p for n, p in start.planes.items() if n < BUILD.slots}, start.size)
+            for start in starts]
 
 
 def _any(rng: random.Random) -> Start:
-    """An acceptable start: every size, direction and limit, most of them near what matters."""
-    size = rng.choice((16, 48, rng.randint(16, 48))), rng.choice((8, 36, rng.randint(8, 36)))
-    offsets = rng.choice((1, 2, 16, rng.randint(1, 16)))
-    return _start(
-        rng, size, window=rng.choice((8, 4)), offsets=offsets,
-        start=rng.choice((0, 1 - offsets, rng.randint(-12, 12), rng.randint(-60, 60), -512, 511)),
-        down=rng.choice((0, 0, 1, -1, rng.randint(-9, 9), rng.randint(-40, 40), -512, 511)),
-        step_x=rng.choice((1, 1, 2, 3, rng.randint(1, 60), 255)), step_y=rng.choice((1, 1, 2, 3, rng.randint(1, 60), 255)),
-        most=rng.choice((NO_SUM, 0, rng.randint(0, 32))), margin=rng.choice((0, 1, rng.randint(0, 16), NO_SUM)),
-        check=rng.getrandbits(1))
+    """An acceptable start."""
+    size = rng.choice((18, 48, rng.randint(18, 48))), rng.choice((8, 36, rng.randint(8, 36)))
+    job = any_job(rng, TINY_DENSE, size[0])
+    return Start(job, _planes(rng, size, job), size, sink=rng.choice(SHAPES))
 
 
 def _ended(start: Start, rng: random.Random, how: str) -> Start:

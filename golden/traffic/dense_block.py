@@ -1,28 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The surroundings of `slog_dense` for its tests: a store, a host that starts passes, and a sink for their maps.
 
-`DenseBlockTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together. What came out of every start
-is held against the frame level.
+`DenseBlockTraffic.stimulus` drives the cycle model alone or, in cocotb, model and RTL together. What came of each start
+is held against the frame level by `verify`.
 """
 
 from __future__ import annotations
 
 import random
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
 
 from golden.correlate import Plane
 from golden.cycle.bits import or_zero
+from golden.cycle.dense.out import map_word
 from golden.cycle.dense.plan import DenseBuild
 from golden.cycle.dense.structs import CANCELLED, DENSE_JOB, MAP, NO_SUM, NOTHING
-from golden.cycle.dense.out import map_word
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.store import STORE_LATENCY
-from golden.dense_job import DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.dense import DensePass, dense
+from golden.dense_job import STEP_MAX, DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.params import Config
-from golden.traffic.stalls import SHAPES, ready_pattern
+from golden.traffic.stalls import ready_pattern
 from golden.traffic.store import plane_words
 
 LONGEST = 200_000
@@ -107,7 +107,7 @@ def verify(start: Start, outcome: Outcome, config: Config) -> bool:
     sent = (len(rows) - 1) * start.job["step_y"] + 1 if rows else 0
     if early:
         assert start.cancel is not None and outcome.rows < sent, start
-        rows = rows[:-(-outcome.rows // start.job["step_y"])] + [[map_word(NOTHING, 0, 0, 0)]]
+        rows = [*rows[:-(-outcome.rows // start.job["step_y"])], [map_word(NOTHING, 0, 0, 0)]]
     else:
         assert outcome.status == status, (start.job, outcome.status, status)
         assert outcome.rows == sent, (start.job, outcome.rows, sent)
@@ -115,11 +115,43 @@ def verify(start: Start, outcome: Outcome, config: Config) -> bool:
     flags = [(int(n == 0), int(n == len(wanted) - 1)) for n in range(len(wanted))]
     found = [word for word, *_ in outcome.words]
     if found != wanted:
-        n = next((n for n, (a, b) in enumerate(zip(found, wanted, strict=False)) if a != b), min(len(found), len(wanted)))
-        raise AssertionError(f"{start.job}, size {start.size}: {len(found)} words of {len(wanted)}; word {n}: " + "; ".join(
-            str(MAP.unpack(words[n])) for words in (found, wanted) if n < len(words)))
+        same = [a == b for a, b in zip(found, wanted, strict=False)]
+        n = same.index(False) if False in same else len(same)
+        both = [MAP.unpack(words[n]) for words in (found, wanted) if n < len(words)]
+        raise AssertionError(f"{start.job}, size {start.size}: {len(found)} words of {len(wanted)}; word {n}: {both}")
     assert [(first, last) for _, first, last in outcome.words] == flags, start
     return early
+
+
+def any_job(rng: random.Random, config: Config, width: int) -> dict[str, int]:
+    """An acceptable job's fields: every slot, window, direction, step and limit, most of them near what matters.
+
+    Args:
+        rng: for the choice.
+        config: of the board.
+        width: of the image, pixels.
+    """
+    most = config.dense_offsets
+    offsets = rng.choice((1, 2, most, rng.randint(1, most)))
+    window = rng.choice(config.dense_windows)
+    near = rng.choice((1 - most, -most, -most - 1, -most - config.group_bits, 1 - width - most, width - 1, width))
+    steps = [rng.choice((1, 1, 2, 3, rng.randint(1, width), STEP_MAX)) for _ in range(2)]
+    return {"left_slot": rng.randrange(config.slots), "right_slot": rng.randrange(config.slots), "window": window,
+            "offsets": offsets, "check": rng.getrandbits(1), "live": 0,
+            "start": rng.choice((0, 1 - offsets, rng.randint(-12, 12), rng.randint(-width, width), near, -512, 511)),
+            "down": rng.choice((0, 0, 1, -1, rng.randint(-9, 9), rng.randint(-40, 40), -512, 511)),
+            "step_x": min(STEP_MAX, steps[0]), "step_y": min(STEP_MAX, steps[1]),
+            "most": rng.choice((NO_SUM, 0, rng.randint(0, window * window // 2))),
+            "margin": rng.choice((0, 1, rng.randint(0, window * window // 4), NO_SUM))}
+
+
+def bad_job(rng: random.Random, config: Config, width: int) -> dict[str, int]:
+    """A job that is refused for one reason or several."""
+    wrong = {"window": rng.choice((0, 2, 2 * config.dense_window % 64, 5)),
+             "offsets": rng.choice((0, config.dense_offsets + 1, 511)), "left_slot": rng.randint(config.slots, 7),
+             "right_slot": rng.randint(config.slots, 7), "step_x": 0, "step_y": 0}
+    chosen = rng.sample(list(wrong), rng.choice((1, 1, 2, 3)))
+    return {**any_job(rng, config, width), **{name: wrong[name] for name in chosen}}
 
 
 @dataclass
@@ -166,7 +198,7 @@ class DenseBlockTraffic:
             for _ in range(self.rng.choice((0, 0, 1, 9))):
                 yield from self._clock({**self._noise(), "start_i": 0})
 
-    def _clock(self, now: Inputs) -> Stimulus:
+    def _clock(self, now: Inputs) -> Generator[Inputs, Outputs, Outputs]:
         """A clock with the store's answer; returns what the block shows."""
         word = self.flight.popleft()
         out = yield {**now, "rd_data_i": self.rng.getrandbits(self.config.group_bits) if word is None else word}

@@ -11,12 +11,12 @@
 //   3    slog_dense_engine: 2 * Offsets + 6 clocks
 //   4    slog_dense_check: Offsets + 7
 //   5    slog_dense_out: 8; the queue holds OutDepth words
-// Latency    : from start_i to the first row 3 * Offsets + MaxWindow + 22 clocks and those that slog_dense_plan takes for many
-//              words or far rows; from a row's start to its first word 3 * Offsets + 45 and plan_t.left_delay.
+// Latency    : from start_i to the first row 3 * Offsets + MaxWindow + 23 clocks and those that slog_dense_plan takes for many
+//              words or far rows; from a row's start to its first word 3 * Offsets + 46 and plan_t.left_delay.
 // Throughput : a pixel per clock in a row; rows max(image_width + 2 * Lanes + 1, Offsets + Width + 8) clocks apart.
 // Flow       : the sink may stop for any time. A row starts when there is room for its words and those of the rows under
 //              way, so no word is lost. With a sink that is always ready a row's places are taken for image_width + 3 *
-//              Offsets + 45 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
+//              Offsets + 46 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
 // Rules      : start_i counts while busy_o is low; job and image size are taken over with it. image_width_i is 2 * Lanes or
 //              more. A slot in slot_busy_o is not written. rd_data_i is StoreLatency clocks after rd_valid_o.
 // Cancel     : no row is started any more; the words under way are followed by one in which nothing is found, with
@@ -59,7 +59,7 @@ module slog_dense
     output logic                   map_tuser_o,   // first word of a map
     output logic                   map_tlast_o,   // last word of a map
     output logic                   busy_o,
-    output logic                   done_o,        // the last clock of busy_o: all words were taken, or the job was refused
+    output logic                   done_o,        // last clock of busy_o: all words taken, or job refused
     output dense_status_e          status_o,      // of the last start, from done_o on
     output logic                   row_o,         // pulse: a row was started
     output logic                   stall_o        // a clock in which a row waited for room

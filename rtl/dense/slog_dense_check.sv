@@ -97,16 +97,16 @@ module slog_dense_check
       .rd_data_o(back)
   );
 
-  logic found, near;
-  assign found = held_q[Last].best != Absent;
+  logic found_q, near;
   assign near  = difference_q == '0 || difference_q == '1 || difference_q == (IndexBits + 1)'(1);
   always_ff @(posedge clk_i) begin
     back_at_q <= from_q - at_t'(held.index);
     held_q[0] <= held;
     for (int unsigned n = 1; n <= Last; n++) held_q[n] <= held_q[n-1];
     difference_q <= {1'b0, back} - {1'b0, held_q[2].index};
+    found_q      <= held_q[Last-1].best != Absent;
     valid_q      <= held_q[Last].valid;
-    checked_q    <= '{found: found, agrees: found && near, index: held_q[Last].index, best: held_q[Last].best,
+    checked_q    <= '{found: found_q, agrees: found_q && near, index: held_q[Last].index, best: held_q[Last].best,
                       lower: held_q[Last].lower, upper: held_q[Last].upper, rest: held_q[Last].rest};
   end
   assign valid_o   = valid_q;

@@ -8,10 +8,10 @@
 // 0 comes with the left one. Each begins while the other's last one may still be under way.
 //
 //   clocks after row_i
-//   1..3   rows' addresses, and whether they lie in their planes
+//   2..4   rows' addresses, and whether they lie in their planes
 //   4      the delays begin
-//   5 + d  start of slog_dense_stream, d the plane's delay: row_t counts here, 1 clock before the next row_i at the latest
-//   24 + d first column at the engine
+//   6 + d  start of slog_dense_stream, d the plane's delay: row_t counts here, with the next row_i at the latest
+//   25 + d first column at the engine
 //   clocks after a wish of a stream
 //   0..3   granted: each of the four rows has every fourth clock
 //   1      rd_valid_o and rd_addr_o
@@ -59,7 +59,7 @@ module slog_dense_feed
   typedef logic signed [11:0] line_t;
 
   // Rows of the planes, left first: number, and words of the incoming and the leaving row.
-  logic fresh_q;
+  logic fresh_q, step_q;
   logic [9:0] y_q;
   line_t r_q, r_above_q;
   addr_t [1:0] incoming_q, leaving_q;
@@ -74,27 +74,26 @@ module slog_dense_feed
   always_ff @(posedge clk_i) begin
     if (rst_i) row_q <= '0;
     else row_q <= {row_q[Settle-2:0], row_i};
+    step_q <= row_i && !fresh_q;
   end
   always_ff @(posedge clk_i) begin
     if (begin_i) begin
-      fresh_q       <= 1'b1;
       y_q           <= '0;
       r_q           <= -line_t'(down_i);
       incoming_q[0] <= addr_t'(plan_i.left);
       incoming_q[1] <= addr_t'(plan_i.right);
       leaving_q[0]  <= addr_t'(plan_i.left - plan_i.above);
       leaving_q[1]  <= addr_t'(plan_i.right - plan_i.above);
-    end else if (row_i) begin
-      fresh_q <= 1'b0;
-      if (!fresh_q) begin
-        y_q <= y_after;
-        r_q <= r_after;
-        for (int unsigned n = 0; n < 2; n++) begin
-          incoming_q[n] <= incoming_q[n] + addr_t'(WordsPerRow);
-          leaving_q[n]  <= leaving_q[n] + addr_t'(WordsPerRow);
-        end
+    end else if (step_q) begin
+      y_q <= y_after;
+      r_q <= r_after;
+      for (int unsigned n = 0; n < 2; n++) begin
+        incoming_q[n] <= incoming_q[n] + addr_t'(WordsPerRow);
+        leaving_q[n]  <= leaving_q[n] + addr_t'(WordsPerRow);
       end
     end
+    if (begin_i) fresh_q <= 1'b1;
+    else if (row_i) fresh_q <= 1'b0;
     first_q       <= y_q == '0;
     late_q        <= (y_q & plan_i.mask) != '0;
     left_ok_q     <= (y_after & plan_i.mask) != '0;
@@ -135,14 +134,18 @@ module slog_dense_feed
       };
 
   // Delays.
-  logic [1:0] waits_q, start;
+  logic [1:0] waits_q, over, start_q;
   logic [1:0][9:0] wait_q;
-  assign start[0] = waits_q[0] && wait_q[0] == '0;
-  assign start[1] = waits_q[1] && wait_q[1] == '0;
+  assign over[0] = wait_q[0] == '0;
+  assign over[1] = wait_q[1] == '0;
   always_ff @(posedge clk_i) begin
-    if (rst_i) waits_q <= '0;
-    else if (row_q[Settle-1]) waits_q <= {plan_i.meets, 1'b1};
-    else waits_q <= waits_q & ~start;
+    if (rst_i) begin
+      waits_q <= '0;
+      start_q <= '0;
+    end else begin
+      waits_q <= row_q[Settle-1] ? {plan_i.meets, 1'b1} : waits_q & ~over;
+      start_q <= waits_q & over;
+    end
   end
   always_ff @(posedge clk_i) begin
     for (int unsigned n = 0; n < 2; n++) begin
@@ -152,29 +155,33 @@ module slog_dense_feed
   end
 
   // The read port: turn_q's row has it. [0], [1]: the left plane's rows, [2], [3] the right one's.
-  logic [1:0] turn_q;
+  logic [3:0] turn_q;   // one-hot
   logic [3:0] want, grant, granted_q;
   addr_t [3:0] addr;
   logic [Answers-1:0][3:0] asked_q;
   logic rd_valid_q;
-  addr_t rd_addr_q;
+  addr_t rd_addr_q, rd_addr;
   logic [Width-1:0] data_q;
-  assign grant = want & (4'd1 << turn_q);
+  assign grant = want & turn_q;
+  always_comb begin
+    rd_addr = '0;
+    for (int unsigned n = 0; n < 4; n++) rd_addr |= addr[n] & {AddrW{turn_q[n]}};
+  end
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      turn_q     <= '0;
+      turn_q     <= 4'd1;
       granted_q  <= '0;
       rd_valid_q <= 1'b0;
       asked_q    <= '0;
     end else begin
-      turn_q     <= turn_q + 1'b1;
+      turn_q     <= {turn_q[2:0], turn_q[3]};
       granted_q  <= grant;
       rd_valid_q <= grant != '0;
       asked_q    <= {asked_q[Answers-2:0], granted_q};
     end
   end
   always_ff @(posedge clk_i) begin
-    rd_addr_q <= addr[turn_q];
+    rd_addr_q <= rd_addr;
     data_q    <= rd_data_i;
   end
   assign rd_valid_o = rd_valid_q;
@@ -192,7 +199,7 @@ module slog_dense_feed
     ) u_stream (
         .clk_i,
         .rst_i,
-        .start_i   (start[n]),
+        .start_i   (start_q[n]),
         .row_i     (row[n]),
         .mask_i    (plan_i.mask),
         .want_o    (want[2*n+:2]),
@@ -220,6 +227,7 @@ module slog_dense_feed
   assign busy_o           = busy != '0;
 
   `SLOG_ASSERT(SlogDenseFeedRow, !(row_i && (waits_q != '0 || row_q != '0)))
+  `SLOG_ASSERT(SlogDenseFeedTurn, $onehot(turn_q))
   `SLOG_ASSERT(SlogDenseFeedBegin, !(begin_i && (waits_q != '0 || row_q != '0 || busy_o)))
   `SLOG_ASSERT_INIT(SlogDenseFeedLatency, Answers == 11)
 endmodule : slog_dense_feed

@@ -10,13 +10,14 @@
 // Latency    : a word is offered 8 clocks after its pixel at the earliest.
 // Throughput : one pixel per clock in, one word per clock out.
 // Rules      : clear_i before every map, until its pixels come; then image_height_i rows of image_width_i pixels, with any
-//              pauses. image_width_i is 2 or more. Whoever sends pixels knows that there is room for their words: Depth
+//              pauses, of 2 clocks at least between rows. image_width_i is 2 or more. Whoever sends pixels knows that there is room for their words: Depth
 //              of them (slog_dense_room). tail_i, when no pixel is due: one word more, the last, in which no offset counts.
 // Formats    : map_t; map_tuser_o with the first word of a map, map_tlast_o with the last.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_out
   import slog_dense_pkg::*;
+  import slog_compare_pkg::*;
 #(
     parameter int unsigned Depth = 2048
 ) (
@@ -52,31 +53,34 @@ module slog_dense_out
   logic [7:0] gap_x_q, gap_y_q;
   logic [9:0] left_x_q, left_y_q;
   logic ends_q;                    // left_x_q == 1
-  logic low_q;                     // this row is the last with words
-  logic emit_q, edge_q, tail_q;
+  logic lower_q, beside_q;         // another row with words follows, another column in this row
+  logic row_q;                     // a row has ended in the clock before
+  logic emit_q, tail_q;
   always_ff @(posedge clk_i) begin
-    low_q <= left_y_q <= 10'(step_y_i);
+    lower_q <= is_above(32'(left_y_q), 32'(step_y_i));
+    row_q   <= valid_i && ends_q;
     if (clear_i) begin
       gap_x_q  <= '0;
-      gap_y_q  <= '0;
       left_x_q <= image_width_i;
-      left_y_q <= image_height_i;
       ends_q   <= 1'b0;
     end else if (valid_i) begin
       gap_x_q  <= ends_q ? '0 : gap_x_q == '0 ? step_x_i - 1'b1 : gap_x_q - 1'b1;
       left_x_q <= ends_q ? image_width_i : left_x_q - 1'b1;
       ends_q   <= left_x_q == 10'd2;
-      if (ends_q) begin
-        gap_y_q  <= gap_y_q == '0 ? step_y_i - 1'b1 : gap_y_q - 1'b1;
-        left_y_q <= left_y_q - 1'b1;
-      end
+    end
+    if (clear_i) begin
+      gap_y_q  <= '0;
+      left_y_q <= image_height_i;
+    end else if (row_q) begin
+      gap_y_q  <= gap_y_q == '0 ? step_y_i - 1'b1 : gap_y_q - 1'b1;
+      left_y_q <= left_y_q - 1'b1;
     end
   end
 
   // Stage 1.
   checked_t pixel_q;
   sum_t over_q;
-  logic near_q, alone_q;
+  logic able_q, far_q, alone_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       emit_q <= 1'b0;
@@ -87,17 +91,18 @@ module slog_dense_out
     end
   end
   always_ff @(posedge clk_i) begin
-    edge_q  <= left_x_q <= 10'(step_x_i);
+    beside_q <= is_above(32'(left_x_q), 32'(step_x_i));
     pixel_q <= tail_i ? Nothing : pixel_i;
     over_q  <= pixel_i.rest - pixel_i.best;
-    near_q  <= pixel_i.best <= most_i;
+    able_q  <= pixel_i.found && (pixel_i.agrees || !check_i) && !tail_i;
+    far_q   <= is_above(32'(pixel_i.best), 32'(most_i));
     alone_q <= pixel_i.rest == Absent;
   end
 
   // Stage 2.
   word_t word_q;
   logic push_q, begun_q, good;
-  assign good = pixel_q.found && near_q && (alone_q || over_q >= margin_i) && (pixel_q.agrees || !check_i);
+  assign good = able_q && !far_q && (alone_q || !is_above(32'(margin_i), 32'(over_q)));
   always_ff @(posedge clk_i) begin
     if (rst_i) push_q <= 1'b0;
     else push_q <= emit_q || tail_q;
@@ -107,7 +112,7 @@ module slog_dense_out
     else if (emit_q) begun_q <= 1'b1;
     word_q <= '{
         first: !begun_q,
-        last: tail_q || (edge_q && low_q),
+        last: tail_q || !(beside_q || lower_q),
         data: '{zero: '0, valid: good, agrees: pixel_q.agrees, found: pixel_q.found, index: pixel_q.index,
                 best: pixel_q.best, lower: pixel_q.lower, upper: pixel_q.upper, rest: pixel_q.rest}
     };

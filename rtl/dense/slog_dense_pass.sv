@@ -9,11 +9,12 @@
 //   clock  registers
 //   0      start_i: the job is taken over
 //   1      begin of the plan; slot_busy_o in the next clock
-//   p      slog_dense_plan is done; flush_o from the next clock on, for Flush clocks
+//   p      slog_dense_plan is done; flush_o from the clock after the next on, for Flush clocks
 //   ..     row_o, plan.pitch clocks or more apart
 // Throughput : rows plan.pitch clocks apart as long as there is room for their words.
-// Rules      : start_i counts while busy_o is low. job_o and the image's size stay until the next start.
-// Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could start but for the room.
+// Rules      : pitch_i is 8 or more. start_i counts while busy_o is low. job_o and the image's size stay until the next start.
+// Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could
+//              start but for the room.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_pass
@@ -55,6 +56,7 @@ module slog_dense_pass
   localparam int unsigned FlushW = $clog2(Flush + 1);
 
   // One-hot state, in order.
+  logic held_q;                        // !idle_q, a copy for the enables of job_q
   logic idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q;
   dense_job_t job_q;
   logic [9:0] width_q, height_q;
@@ -67,18 +69,25 @@ module slog_dense_pass
   logic [9:0] rows_left_q;
   logic none_q;                        // no row is left that has words
   logic [7:0] gap_q;                   // rows until the next that has words
+  logic has_q;                         // gap_q is 0
+  logic planned_q, bad_q;              // planned_i, and whether the job is refused
+  logic reading_q;                     // the job's slots are marked: in the states from mark to drain
   logic [9:0] words_q;
-  logic row_q, reserve_q, tail_out_q, begin_q, stall_q, clear_q, go, stop, ended, refused;
+  logic row_q, reserve_q, tail_out_q, begin_q, stall_q, clear_q, ready, stop, ended, refused;
   logic [7:0] slot_busy_q;
 
-  assign stop    = rows_q && due_q && (none_q || cancel_q);
-  assign go      = rows_q && due_q && !none_q && !cancel_q && room_i;
-  assign refused = plan_q && planned_i && status_i != DenseOk;
+  // In a row's first clock due_q is still high.
+  assign stop    = rows_q && due_q && !row_q && (none_q || cancel_q);
+  assign ready   = rows_q && due_q && !row_q && !none_q && !cancel_q;
+  assign refused = planned_q && bad_q;
   assign ended   = empty_q && empty_i;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       idle_q      <= 1'b1;
+      held_q      <= 1'b0;
+      reading_q   <= 1'b0;
+      planned_q   <= 1'b0;
       mark_q      <= 1'b0;
       plan_q      <= 1'b0;
       flush_q     <= 1'b0;
@@ -97,23 +106,25 @@ module slog_dense_pass
       status_q    <= DenseOk;
     end else begin
       idle_q     <= (idle_q && !start_i) || over_q;
+      held_q     <= !((idle_q && !start_i) || over_q);
+      reading_q  <= (idle_q && start_i) || (reading_q && !refused && !(drain_q && !feed_busy_i));
+      planned_q  <= planned_i && plan_q;
       mark_q     <= idle_q && start_i;
-      plan_q     <= mark_q || (plan_q && !planned_i);
-      flush_q    <= (plan_q && planned_i && !refused) || (flush_q && !flushed_q);
+      plan_q     <= mark_q || (plan_q && !planned_q);
+      flush_q    <= (planned_q && !bad_q) || (flush_q && !flushed_q);
       rows_q     <= (flush_q && flushed_q) || (rows_q && !stop);
       drain_q    <= stop || (drain_q && feed_busy_i);
       empty_q    <= (drain_q && !feed_busy_i) || tail_q || (empty_q && !ended);
       tail_q     <= ended && early_q;
       over_q     <= refused || (ended && !early_q);
-      begin_q    <= plan_q && planned_i && !refused;
-      row_q      <= go;
-      reserve_q  <= (go && gap_q == '0) || (ended && early_q);
+      begin_q    <= planned_q && !bad_q;
+      row_q      <= ready && room_i;
+      reserve_q  <= (ready && room_i && has_q) || (ended && early_q);
       tail_out_q <= tail_q;
-      stall_q    <= rows_q && due_q && !none_q && !cancel_q && !room_i;
+      stall_q    <= ready && !room_i;
       clear_q    <= !(rows_q || drain_q || empty_q || tail_q);
       for (int unsigned s = 0; s < 8; s++) begin
-        slot_busy_q[s] <= (mark_q || plan_q || flush_q || rows_q || drain_q) &&
-                          (job_q.left_slot == 3'(s) || job_q.right_slot == 3'(s));
+        slot_busy_q[s] <= reading_q && (job_q.left_slot == 3'(s) || job_q.right_slot == 3'(s));
       end
       if (refused) status_q <= status_i;
       else if (mark_q) status_q <= DenseOk;
@@ -122,7 +133,9 @@ module slog_dense_pass
   end
 
   always_ff @(posedge clk_i) begin
-    if (idle_q) begin
+    bad_q <= status_i != DenseOk;
+    has_q <= gap_q == '0;
+    if (!held_q) begin
       job_q    <= job_i;
       width_q  <= image_width_i;
       height_q <= image_height_i;
@@ -135,17 +148,17 @@ module slog_dense_pass
     cancel_q     <= !idle_q && (cancel_q || cancel_i);
     flush_left_q <= flush_q ? flush_left_q - 1'b1 : FlushW'(Flush - 1);
     flushed_q    <= flush_q && 32'(flush_left_q) == 1;
-    wait_q       <= go ? pitch_i - 11'd2 : wait_q - 1'b1;
-    due_q        <= flush_q || (due_q && !go) || (!go && wait_q == '0);
+    wait_q       <= row_q ? pitch_i - 11'd3 : wait_q - 1'b1;
+    due_q        <= flush_q || (!row_q && (due_q || wait_q == '0));
     if (flush_q) begin
       rows_left_q <= height_q;
       gap_q       <= '0;
-    end else if (go) begin
+    end else if (row_q) begin
       rows_left_q <= rows_left_q - 1'b1;
       gap_q       <= gap_q == '0 ? job_q.step_y - 1'b1 : gap_q - 1'b1;
     end
     none_q  <= rows_left_q <= 10'(gap_q);
-    words_q <= empty_q || tail_q ? 10'd1 : gap_q == '0 ? row_words_i : '0;
+    words_q <= empty_q || tail_q ? 10'd1 : has_q ? row_words_i : '0;
   end
 
   assign slot_busy_o    = slot_busy_q;
@@ -167,5 +180,7 @@ module slog_dense_pass
 
   `SLOG_ASSERT(SlogDensePassState,
                $onehot({idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
-  `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 4)
+  `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
+  `SLOG_ASSERT(SlogDensePassCopies, held_q == !idle_q &&
+               reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
 endmodule : slog_dense_pass

@@ -93,7 +93,7 @@ package slog_dense_pkg;
     logic [15:0] right;        // word that the right plane's row -down begins with, from column on
     logic [15:0] above;        // words from a row to that a window's height above it
     logic [10:0] pitch;        // clocks from row to row
-    logic [9:0]  left_delay;   // clocks by which the left row follows the right one, or the other way round
+    logic [9:0]  left_delay;   // clocks by which the left row waits for the right one, or the right one for it
     logic [9:0]  right_delay;
     logic [9:0]  column;       // of the right plane, where its rows begin: the first of a word
     logic [9:0]  skip;         // columns from there that no left pixel meets

@@ -86,6 +86,13 @@ module slog_dense_plan
   logic [10:0] row_q, pitch_q;
   logic [9:0] left_delay_q, right_delay_q, column, skip;
   logic meets_q;
+  // a < b. Only the sign of the difference is used.
+  function automatic logic is_below(logic [9:0] a, span_t b);
+    /* verilator lint_off UNUSEDSIGNAL */
+    span_t difference = span_t'({2'b00, a}) - b;
+    /* verilator lint_on UNUSEDSIGNAL */
+    return difference[11];
+  endfunction
   assign skip   = 10'(first_q[BitW-1:0]);
   assign column = first_q - skip;
   always_ff @(posedge clk_i) begin
@@ -103,7 +110,7 @@ module slog_dense_plan
     end_q    <= span_t'({2'b00, image_width_i}) - (job_i.start[9] ? '0 : span_t'(job_i.start));
     ahead_q  <= span_t'(job_i.start) + span_t'({2'b00, column});
     count_q  <= 10'(end_q - span_t'({2'b00, column}));
-    meets_q  <= end_q > span_t'({2'b00, first_q});
+    meets_q  <= is_below(first_q, end_q);
     left_delay_q  <= ahead_q[11] ? 10'(-ahead_q) : '0;
     right_delay_q <= ahead_q[11] ? '0 : ahead_q[9:0];
     row_q    <= 11'(image_width_i) + 11'(2 * Lanes + 1);
@@ -113,7 +120,7 @@ module slog_dense_plan
   // What takes as long as it is large: rows down, words of a row.
   logic start_q, up_q, going_q, bad_q, over_q;
   logic [Settle-1:0] at_q;
-  logic [10:0] rows_q, columns_q;       // left to go, less one: negative at the end
+  logic [10:0] rows_q, columns_q, last_q;       // left to go, less one: negative at the end
   logic signed [9:0] distance_q;
   logic [9:0] words_q;
   logic [15:0] lines_q, right_addr_q, left_addr_q, over_words_q;
@@ -134,12 +141,13 @@ module slog_dense_plan
     up_q         <= !job_i.down[9];
     distance_q   <= job_i.down[9] ? -job_i.down : job_i.down;
     bad_q        <= status_q != DenseOk;
+    last_q       <= 11'(image_width_i) - 1'b1;
     left_addr_q  <= FirstWord[job_i.left_slot];
     over_words_q <= 16'(column >> BitW) + FirstWord[job_i.right_slot];
     right_addr_q <= lines_q + over_words_q;
     if (start_q) begin
       rows_q    <= 11'(unsigned'(distance_q)) - 1'b1;
-      columns_q <= 11'(image_width_i) - 1'b1;
+      columns_q <= last_q;
       words_q   <= '0;
       lines_q   <= '0;
     end else if (going_q) begin

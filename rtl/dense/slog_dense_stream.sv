@@ -57,6 +57,7 @@ module slog_dense_stream
 
   logic run_q, first_q;
   logic [BitW-1:0] bit_q;               // of the column in its word
+  logic begins_q;                       // bit_q == 0
   logic [9:0] after_q, skip_q, left_q;  // column + 1; columns to skip; columns after this one
   logic skips_q, last_q;                // skip_q != 0, left_q == 0
   logic [1:0] ok_q, has_q, want_q;
@@ -81,7 +82,7 @@ module slog_dense_stream
     end else begin
       run_q   <= start_i || (run_q && !last_q);
       for (int unsigned n = 0; n < 2; n++) begin
-        want_q[n] <= (run_q && bit_q == '0 && has_q[n]) || (want_q[n] && !grant_i[n]);
+        want_q[n] <= (run_q && begins_q && has_q[n]) || (want_q[n] && !grant_i[n]);
       end
       valid_q <= now.run && now.sent;
       busy_q  <= start_i || run_q || under_way != '0;
@@ -94,6 +95,7 @@ module slog_dense_stream
     if (start_i) begin
       first_q <= row_i.first;
       bit_q   <= '0;
+      begins_q <= 1'b1;
       after_q <= row_i.column + 1'b1;
       skip_q  <= row_i.skip;
       skips_q <= row_i.skip != '0;
@@ -103,6 +105,7 @@ module slog_dense_stream
       has_q   <= {row_i.has_leaving, row_i.has_incoming};
     end else if (run_q) begin
       bit_q   <= bit_q + 1'b1;
+      begins_q <= bit_q == '1;
       after_q <= after_q + 1'b1;
       if (skips_q) skip_q <= skip_q - 1'b1;
       skips_q <= skips_q && skip_q != 10'd1;
@@ -115,7 +118,7 @@ module slog_dense_stream
       if (came_i[n]) next_q[n] <= data_i;
       hold_q[n] <= !now.load ? hold_q[n] >> 1 : now.has[n] ? next_q[n] : '0;
     end
-    token_q[0].load  <= bit_q == '0;
+    token_q[0].load  <= begins_q;
     token_q[0].sent  <= !skips_q;
     token_q[0].first <= first_q;
     token_q[0].ok    <= (after_q & mask_i) != '0 ? ok_q : '0;
@@ -143,6 +146,7 @@ module slog_dense_stream
   `SLOG_ASSERT_INIT(SlogDenseStreamWidth, Width == 2 ** BitW && Width >= 4 && AddrW <= 16)
   `SLOG_ASSERT(SlogDenseStreamApart, !(start_i && (run_q || want_q != '0)))
   `SLOG_ASSERT(SlogDenseStreamRow, !start_i || (row_i.count > row_i.skip && 32'(row_i.column) % Width == 0))
+  `SLOG_ASSERT(SlogDenseStreamBegins, !run_q || begins_q == (bit_q == '0))
   `SLOG_ASSERT(SlogDenseStreamGrant, (grant_i & ~want_q) == '0)
 `ifndef SYNTHESIS
   logic [1:0] here_q;  // a word is in the next register that has not been held yet

@@ -16,6 +16,7 @@ from golden.cycle.model import Inputs, Values
 
 SENT = ("left_valid", "first", "left_incoming", "left_leaving", "left_ok", "right_valid", "right_incoming",
         "right_leaving", "right_ok")
+LIMITS = "step_x", "step_y", "most", "margin", "check"
 
 
 class DenseBlockModel:
@@ -53,7 +54,7 @@ class DenseBlockModel:
                                                "winner_i": won["winner_o"], "back_i": won["back_o"]}))
         shown = self.output.step({**rst, **size, "clear_i": now["clear_o"], "tail_i": now["tail_o"],
                                   "valid_i": checked["valid_o"], "pixel_i": checked["checked_o"],
-                                  **{f"{name}_i": job[name] for name in ("step_x", "step_y", "most", "margin", "check")},
+                                  **{f"{name}_i": job[name] for name in LIMITS},
                                   "map_tready_i": i["map_tready_i"]})
         self.room.step({**rst, "words_i": now["words_o"], "reserve_i": now["reserve_o"],
                         "taken_i": shown["taken_o"] or 0})

@@ -32,12 +32,16 @@ class DensePassModel:
         self.size: tuple[int | None, int | None] = None, None
         self.gap: int | None = None
         self.words: int | None = None
+        self.has: bool | None = None
+        """Whether the next row has words, one clock late."""
         self.rows = 0
         self._stop()
 
     def _stop(self) -> None:
         self.state, self.status = IDLE, OK
         self.cancelled = self.early = False
+        self.planned: int | None = None
+        """Status of the plan that was done in the clock before."""
         self.left = self.wait = 0
         """Clocks of the flush, and until a row may start."""
         self.pulses = dict.fromkeys(("begin_o", "row_o", "reserve_o", "tail_o", "stall_o", "slot_busy_o"), 0)
@@ -53,20 +57,23 @@ class DensePassModel:
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out, state = self.out, self.state
-        due = state == ROWS and self.wait == 0
+        started = self.pulses["row_o"]
+        due = state == ROWS and self.wait == 0 and not started
         whole = self.rows <= (self.gap or 0)
         ending = due and (whole or self.cancelled)
         going = due and not ending and bool(i["room_i"])
-        accepted = state == PLAN and bool(i["planned_i"]) and i["status_i"] == OK
+        accepted = self.planned == OK
         ended = state == EMPTY and bool(i["empty_i"])
         self.pulses = {
             "begin_o": int(accepted), "row_o": int(going), "tail_o": int(state == TAIL),
-            "reserve_o": int(going and self.gap == 0 or ended and self.early), "clear_o": int(state not in MAPPING),
+            "reserve_o": int((going and self.gap == 0) or (ended and self.early)), "clear_o": int(state not in MAPPING),
             "stall_o": int(due and not ending and not going), "slot_busy_o": self._slots() if state in READING else 0}
-        self.words = 1 if state in (EMPTY, TAIL) else None if self.gap is None else i["row_words_i"] * (not self.gap)
-        self._status(i)
+        self.words = 1 if state in (EMPTY, TAIL) else None if self.has is None else i["row_words_i"] * self.has
+        self.has = None if self.gap is None else not self.gap
+        self._status()
         self.state = self._next(i, ending, ended)
-        self._count(i, state, going)
+        self._count(i, state, bool(started))
+        self.planned = i["status_i"] if state == PLAN and i["planned_i"] and self.planned is None else None
         if ending:
             self.early = not whole
         if state == TAIL:
@@ -83,9 +90,9 @@ class DensePassModel:
         job = unpack_job(self.job or 0)
         return 1 << job["left_slot"] | 1 << job["right_slot"]
 
-    def _status(self, i: Inputs) -> None:
-        if self.state == PLAN and i["planned_i"] and i["status_i"] != OK:
-            self.status = i["status_i"]
+    def _status(self) -> None:
+        if self.planned:
+            self.status = self.planned
         elif self.state == MARK:
             self.status = OK
         elif self.state == TAIL:
@@ -93,20 +100,21 @@ class DensePassModel:
 
     def _next(self, i: Inputs, ending: bool, ended: bool) -> int:
         """The state of the next clock."""
-        refused = bool(i["planned_i"]) and i["status_i"] != OK
-        after = {IDLE: (i["start_i"], MARK), MARK: (True, PLAN), PLAN: (i["planned_i"], OVER if refused else FLUSH),
-                 FLUSH: (self.left == self.flush - 1, ROWS), ROWS: (ending, DRAIN), DRAIN: (not i["feed_busy_i"], EMPTY),
+        after = {IDLE: (i["start_i"], MARK), MARK: (True, PLAN),
+                 PLAN: (self.planned is not None, OVER if self.planned else FLUSH),
+                 FLUSH: (self.left == self.flush - 1, ROWS), ROWS: (ending, DRAIN),
+                 DRAIN: (not i["feed_busy_i"], EMPTY),
                  EMPTY: (ended, TAIL if self.early else OVER), TAIL: (True, EMPTY), OVER: (True, IDLE)}
         moves, state = after[self.state]
         return state if moves else self.state
 
-    def _count(self, i: Inputs, state: int, going: bool) -> None:
+    def _count(self, i: Inputs, state: int, started: bool) -> None:
         """Rows and clocks."""
         self.left = self.left + 1 if state == FLUSH else 0
         self.wait = max(0, self.wait - 1)
         if state == FLUSH:
             self.rows, self.gap, self.wait = self.size[1] or 0, 0, 0
-        elif going:
+        elif started:
             self.rows -= 1
             self.gap = (self.gap or unpack_job(self.job or 0)["step_y"]) - 1
-            self.wait = i["pitch_i"] - 1
+            self.wait = i["pitch_i"] - 2

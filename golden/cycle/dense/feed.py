@@ -12,7 +12,7 @@ from golden.cycle.dense.structs import PLAN, ROW
 from golden.cycle.model import Inputs, Values
 from golden.cycle.store.store import STORE_LATENCY
 
-START = 5
+START = 6
 """Clocks from `row_i` to the start of a row that has no delay."""
 NAMES = {"left": ("left_valid_o", "first_o", "left_incoming_o", "left_leaving_o", "left_ok_o"),
          "right": ("right_valid_o", "", "right_incoming_o", "right_leaving_o", "right_ok_o")}
