@@ -41,7 +41,8 @@ class DenseBoardModel(CamerasModel):
     INPUTS = ("rst_i", *CsrModel.INPUTS, "vid_tdata_i", "vid_tvalid_i", "vid_tuser_i", "vid_tlast_i", "map_tready_i")
     OUTPUTS = (*CsrModel.OUTPUTS, "vid_tready_o", *STREAM, "irq_o")
 
-    def __init__(self, config: Config, fields: Mapping[str, FieldPlace], dense_fields: Mapping[str, FieldPlace]) -> None:
+    def __init__(self, config: Config, fields: Mapping[str, FieldPlace], dense_fields: Mapping[str, FieldPlace],
+                 ) -> None:
         super().__init__(config, fields, extension=True)
         self.dense_control = DenseControlModel(config, dense_fields)
         self.dense = DenseBlockModel(dense_build(config))
@@ -65,7 +66,8 @@ class DenseBoardModel(CamerasModel):
                               "ext_rd_data_i": extension["rd_data_o"], "ext_irq_i": extension["irq_o"]})
         self.control.edge(events, 0, store["peek_data_o"])
         self.dense_control.edge(all_or_zero({
-            "rst_i": rst, **{f"{name}_i": control[f"ext_{name}_o"] for name in ("req", "is_wr", "addr", "data", "biten")},
+            "rst_i": rst,
+            **{f"{name}_i": control[f"ext_{name}_o"] for name in ("req", "is_wr", "addr", "data", "biten")},
             **{f"{name}_i": work[f"{name}_o"] for name in ("busy", "done", "status", "row", "stall")}}))
         self._take(rst, control, fronts, work["slot_busy_o"])
         return {**{name: control[name] for name in CsrModel.OUTPUTS}, "vid_tready_o": fronts["tready_o"],

@@ -104,7 +104,9 @@ class DenseEngine:
             DeviceError: if the map does not arrive whole.
         """
         d = self.device
-        if not self.busy and self.status != DenseStatus.OK:
+        while self.busy and not d.stream_waiting:  # whether it is refused shows after some clocks
+            pass
+        if not d.stream_waiting:
             return DenseStatus(self.status), None
         shape = map_shape(d.size, job.step)
         words = d.map_words(shape[0] * shape[1])
