@@ -49,8 +49,9 @@ module slog_dense_out
     map_t data;
   } word_t;
 
-  // Place in the image. gap: columns or rows to the next that has a word, left: with this one to the end.
-  logic [7:0] gap_x_q, gap_y_q;
+  // Place in the image. gap: columns or rows to the next that has a word, less one: negative at it; left: with this one to
+  // the end.
+  logic [8:0] gap_x_q, gap_y_q;
   logic [9:0] left_x_q, left_y_q;
   logic ends_q;                    // left_x_q == 1
   logic lower_q, beside_q;         // another row with words follows, another column in this row
@@ -60,19 +61,19 @@ module slog_dense_out
     lower_q <= is_above(32'(left_y_q), 32'(step_y_i));
     row_q   <= valid_i && ends_q;
     if (clear_i) begin
-      gap_x_q  <= '0;
+      gap_x_q  <= '1;
       left_x_q <= image_width_i;
       ends_q   <= 1'b0;
     end else if (valid_i) begin
-      gap_x_q  <= ends_q ? '0 : gap_x_q == '0 ? step_x_i - 1'b1 : gap_x_q - 1'b1;
+      gap_x_q  <= ends_q ? '1 : gap_x_q[8] ? 9'(step_x_i) - 9'd2 : gap_x_q - 1'b1;
       left_x_q <= ends_q ? image_width_i : left_x_q - 1'b1;
       ends_q   <= left_x_q == 10'd2;
     end
     if (clear_i) begin
-      gap_y_q  <= '0;
+      gap_y_q  <= '1;
       left_y_q <= image_height_i;
     end else if (row_q) begin
-      gap_y_q  <= gap_y_q == '0 ? step_y_i - 1'b1 : gap_y_q - 1'b1;
+      gap_y_q  <= gap_y_q[8] ? 9'(step_y_i) - 9'd2 : gap_y_q - 1'b1;
       left_y_q <= left_y_q - 1'b1;
     end
   end
@@ -86,7 +87,7 @@ module slog_dense_out
       emit_q <= 1'b0;
       tail_q <= 1'b0;
     end else begin
-      emit_q <= valid_i && !clear_i && gap_x_q == '0 && gap_y_q == '0;
+      emit_q <= valid_i && !clear_i && gap_x_q[8] && gap_y_q[8];
       tail_q <= tail_i;
     end
   end

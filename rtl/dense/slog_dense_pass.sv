@@ -19,6 +19,7 @@
 `include "slog_assert.svh"
 module slog_dense_pass
   import slog_dense_pkg::*;
+  import slog_compare_pkg::*;
 #(
     parameter int unsigned Flush = 424
 ) (
@@ -67,7 +68,7 @@ module slog_dense_pass
   logic [10:0] wait_q;                 // clocks until a row may start
   logic due_q;                         // wait_q is over
   logic [9:0] rows_left_q;
-  logic none_q;                        // no row is left that has words
+  logic more_q;                        // a row is left that has words
   logic [7:0] gap_q;                   // rows until the next that has words
   logic has_q;                         // gap_q is 0
   logic planned_q, bad_q;              // planned_i, and whether the job is refused
@@ -76,9 +77,8 @@ module slog_dense_pass
   logic row_q, reserve_q, tail_out_q, begin_q, stall_q, clear_q, ready, stop, ended, refused;
   logic [7:0] slot_busy_q;
 
-  // In a row's first clock due_q is still high.
-  assign stop    = rows_q && due_q && !row_q && (none_q || cancel_q);
-  assign ready   = rows_q && due_q && !row_q && !none_q && !cancel_q;
+  assign stop    = rows_q && due_q && (!more_q || cancel_q);
+  assign ready   = rows_q && due_q && more_q && !cancel_q;
   assign refused = planned_q && bad_q;
   assign ended   = empty_q && empty_i;
 
@@ -108,7 +108,7 @@ module slog_dense_pass
       idle_q     <= (idle_q && !start_i) || over_q;
       held_q     <= !((idle_q && !start_i) || over_q);
       reading_q  <= (idle_q && start_i) || (reading_q && !refused && !(drain_q && !feed_busy_i));
-      planned_q  <= planned_i && plan_q;
+      planned_q  <= planned_i && plan_q && !planned_q;
       mark_q     <= idle_q && start_i;
       plan_q     <= mark_q || (plan_q && !planned_q);
       flush_q    <= (planned_q && !bad_q) || (flush_q && !flushed_q);
@@ -141,7 +141,7 @@ module slog_dense_pass
       height_q <= image_height_i;
       early_q  <= 1'b0;
     end else if (stop) begin
-      early_q  <= !none_q;
+      early_q  <= more_q;
     end else if (tail_q) begin
       early_q  <= 1'b0;
     end
@@ -149,7 +149,7 @@ module slog_dense_pass
     flush_left_q <= flush_q ? flush_left_q - 1'b1 : FlushW'(Flush - 1);
     flushed_q    <= flush_q && 32'(flush_left_q) == 1;
     wait_q       <= row_q ? pitch_i - 11'd3 : wait_q - 1'b1;
-    due_q        <= flush_q || (!row_q && (due_q || wait_q == '0));
+    due_q        <= flush_q || (due_q ? !(ready && room_i) : !row_q && wait_q == '0);
     if (flush_q) begin
       rows_left_q <= height_q;
       gap_q       <= '0;
@@ -157,7 +157,7 @@ module slog_dense_pass
       rows_left_q <= rows_left_q - 1'b1;
       gap_q       <= gap_q == '0 ? job_q.step_y - 1'b1 : gap_q - 1'b1;
     end
-    none_q  <= rows_left_q <= 10'(gap_q);
+    more_q  <= is_above(32'(rows_left_q), 32'(gap_q));
     words_q <= empty_q || tail_q ? 10'd1 : has_q ? row_words_i : '0;
   end
 
@@ -181,6 +181,7 @@ module slog_dense_pass
   `SLOG_ASSERT(SlogDensePassState,
                $onehot({idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
   `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
+  `SLOG_ASSERT(SlogDensePassPlanned, !planned_q || plan_q)
   `SLOG_ASSERT(SlogDensePassCopies, held_q == !idle_q &&
                reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
 endmodule : slog_dense_pass

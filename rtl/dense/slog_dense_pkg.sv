@@ -111,7 +111,7 @@ package slog_dense_pkg;
     logic [9:0]  column;         // of the row's first bit, the first of a word
     logic [9:0]  skip;           // columns that are not sent
     logic [9:0]  count;          // columns with them
-    logic [1:0]  ok;             // left_ok_i or right_ok_i of slog_dense_engine, where the window lies between the sides
+    logic [1:0]  ok;             // left_ok_i or right_ok_i of slog_dense_engine, where the window lies in the row
     logic        first;
   } row_t;
 

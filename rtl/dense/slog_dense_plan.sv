@@ -19,6 +19,7 @@
 `include "slog_assert.svh"
 module slog_dense_plan
   import slog_dense_pkg::*;
+  import slog_compare_pkg::*;
 #(
     parameter int unsigned Width       = 64,
     parameter int unsigned MaxHeight   = 480,
@@ -62,8 +63,8 @@ module slog_dense_plan
   dense_status_e status_q;
   always_ff @(posedge clk_i) begin
     for (int unsigned s = 0; s < Sizes; s++) size_q[s] <= 32'(job_i.window) == MaxWindow >> s;
-    wide_q       <= 10'(job_i.window) > image_width_i;
-    tall_q       <= 10'(job_i.window) > image_height_i;
+    wide_q       <= is_above(32'(job_i.window), 32'(image_width_i));
+    tall_q       <= is_above(32'(job_i.window), 32'(image_height_i));
     none_q       <= job_i.offsets == '0;
     many_q       <= 32'(job_i.offsets) > Offsets;
     if (start_i) slot_valid_q <= slot_valid_i;
@@ -85,7 +86,7 @@ module slog_dense_plan
   logic [9:0] first_q, count_q;
   logic [10:0] row_q, pitch_q;
   logic [9:0] left_delay_q, right_delay_q, column, skip;
-  logic meets_q;
+  logic meets_q, long_q;
   // a < b. Only the sign of the difference is used.
   function automatic logic is_below(logic [9:0] a, span_t b);
     /* verilator lint_off UNUSEDSIGNAL */
@@ -114,7 +115,8 @@ module slog_dense_plan
     left_delay_q  <= ahead_q[11] ? 10'(-ahead_q) : '0;
     right_delay_q <= ahead_q[11] ? '0 : ahead_q[9:0];
     row_q    <= 11'(image_width_i) + 11'(2 * Lanes + 1);
-    pitch_q  <= 32'(row_q) > Offsets + Width + 8 ? row_q : 11'(Offsets + Width + 8);
+    long_q   <= is_above(32'(row_q), Offsets + Width + 8);
+    pitch_q  <= long_q ? row_q : 11'(Offsets + Width + 8);
   end
 
   // What takes as long as it is large: rows down, words of a row.
@@ -150,7 +152,7 @@ module slog_dense_plan
       columns_q <= last_q;
       words_q   <= '0;
       lines_q   <= '0;
-    end else if (going_q) begin
+    end else begin
       if (!rows_q[10]) begin
         rows_q  <= rows_q - 1'b1;
         lines_q <= up_q ? lines_q - 16'(WordsPerRow) : lines_q + 16'(WordsPerRow);

@@ -8,8 +8,8 @@
 //   2    room_o: free_q >= words_i;  empty_o: free_q == Depth, every word that was reserved has been taken
 // Latency    : words_i to room_o 1 clock; reserve_i and taken_i to room_o and empty_o 2 clocks.
 // Throughput : one word taken per clock.
-// Rules      : reserve_i only where room_o is of the present words_i and free_q: 2 clocks or more after the last reserve_i,
-//              1 or more after words_i has changed. No word is taken that was not reserved. words_i is Depth at most.
+// Rules      : reserve_i only with empty_o, or where room_o is of the present words_i: 1 clock or more after words_i has
+//              changed. 2 clocks or more lie from one reserve_i to the next. No word is taken that was not reserved. words_i is Depth at most.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_room #(

@@ -58,18 +58,21 @@ module slog_dense_stream
   logic run_q, first_q;
   logic [BitW-1:0] bit_q;               // of the column in its word
   logic begins_q;                       // bit_q == 0
-  logic [9:0] after_q, skip_q, left_q;  // column + 1; columns to skip; columns after this one
-  logic skips_q, last_q;                // skip_q != 0, left_q == 0
+  logic [9:0] after_q;                  // column + 1
+  logic [10:0] skip_q, left_q;          // columns to skip, less one; columns after this one, less one: negative at last
+  logic skips, last;
   logic [1:0] ok_q, has_q, want_q;
   logic [1:0][AddrW-1:0] addr_q;
   logic [1:0][Width-1:0] next_q, hold_q;
   token_t token_q[Ahead];
   token_t now;
   logic [Ahead-1:0] under_way;
-  logic valid_q, busy_q, first_q2;
+  logic valid_q, busy_q, some_q, first_q2;
   logic [1:0] ok_q2;
 
-  assign now = token_q[Ahead-1];
+  assign now   = token_q[Ahead-1];
+  assign skips = !skip_q[10];
+  assign last  = left_q[10];
   always_comb for (int unsigned n = 0; n < Ahead; n++) under_way[n] = token_q[n].run;
 
   always_ff @(posedge clk_i) begin
@@ -78,14 +81,16 @@ module slog_dense_stream
       want_q  <= '0;
       valid_q <= 1'b0;
       busy_q  <= 1'b0;
+      some_q  <= 1'b0;
       for (int unsigned n = 0; n < Ahead; n++) token_q[n].run <= 1'b0;
     end else begin
-      run_q   <= start_i || (run_q && !last_q);
+      run_q   <= start_i || (run_q && !last);
       for (int unsigned n = 0; n < 2; n++) begin
         want_q[n] <= (run_q && begins_q && has_q[n]) || (want_q[n] && !grant_i[n]);
       end
       valid_q <= now.run && now.sent;
-      busy_q  <= start_i || run_q || under_way != '0;
+      busy_q  <= start_i || run_q || token_q[0].run || some_q;
+      some_q  <= under_way != '0;
       token_q[0].run <= run_q;
       for (int unsigned n = 1; n < Ahead; n++) token_q[n].run <= token_q[n-1].run;
     end
@@ -93,24 +98,20 @@ module slog_dense_stream
 
   always_ff @(posedge clk_i) begin
     if (start_i) begin
-      first_q <= row_i.first;
-      bit_q   <= '0;
+      first_q  <= row_i.first;
+      bit_q    <= '0;
       begins_q <= 1'b1;
-      after_q <= row_i.column + 1'b1;
-      skip_q  <= row_i.skip;
-      skips_q <= row_i.skip != '0;
-      left_q  <= row_i.count - 1'b1;
-      last_q  <= row_i.count == 10'd1;
-      ok_q    <= row_i.ok;
-      has_q   <= {row_i.has_leaving, row_i.has_incoming};
-    end else if (run_q) begin
-      bit_q   <= bit_q + 1'b1;
+      after_q  <= row_i.column + 1'b1;
+      skip_q   <= 11'(row_i.skip) - 11'd1;
+      left_q   <= 11'(row_i.count) - 11'd2;
+      ok_q     <= row_i.ok;
+      has_q    <= {row_i.has_leaving, row_i.has_incoming};
+    end else begin  // run_q, or nobody looks
+      bit_q    <= bit_q + 1'b1;
       begins_q <= bit_q == '1;
-      after_q <= after_q + 1'b1;
-      if (skips_q) skip_q <= skip_q - 1'b1;
-      skips_q <= skips_q && skip_q != 10'd1;
-      left_q  <= left_q - 1'b1;
-      last_q  <= left_q == 10'd1;
+      after_q  <= after_q + 1'b1;
+      if (skips) skip_q <= skip_q - 1'b1;
+      left_q   <= left_q - 1'b1;
     end
     for (int unsigned n = 0; n < 2; n++) begin
       if (start_i) addr_q[n] <= AddrW'(n == 0 ? row_i.incoming : row_i.leaving);
@@ -119,7 +120,7 @@ module slog_dense_stream
       hold_q[n] <= !now.load ? hold_q[n] >> 1 : now.has[n] ? next_q[n] : '0;
     end
     token_q[0].load  <= begins_q;
-    token_q[0].sent  <= !skips_q;
+    token_q[0].sent  <= !skips;
     token_q[0].first <= first_q;
     token_q[0].ok    <= (after_q & mask_i) != '0 ? ok_q : '0;
     token_q[0].has   <= has_q;

@@ -50,6 +50,8 @@ class DenseStreamModel:
         self.columns: deque[_Column | None] = deque([None] * AHEAD)
         self.shown: _Column | None = None
         self.busy = 0
+        self.some = False
+        """Whether a column was on its way in the clock before."""
 
     @property
     def out(self) -> Values:
@@ -63,7 +65,9 @@ class DenseStreamModel:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.out
         now = self.columns.pop()
-        self.busy = int(bool(i["start_i"]) or self.at is not None or now is not None or any(self.columns))
+        under_way = now is not None or any(self.columns)
+        begun = bool(i["start_i"]) or self.at is not None or self.columns[0] is not None
+        self.busy, self.some = int(begun or self.some), under_way
         for n in range(2):
             if now and now.load:
                 self.held[n] = self.came[n] if now.has[n] else 0

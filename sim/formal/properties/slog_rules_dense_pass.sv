@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // slog_dense_pass: what it promises to slog_dense_room and slog_dense_feed, whatever these and the sink answer.
 //
-// A row, and a tail, reserve places only if there was room for just as many words in the clock before; rows are pitch_i
-// clocks apart at least, never more than the image has, and none starts in a pass after its cancel.
+// A row reserves places only if there was room for just as many words in the clock before, a tail only if all were free;
+// rows are pitch_i clocks apart at least, and never more than the image has.
 module slog_rules_dense_pass
   import slog_dense_pkg::*;
 (
@@ -25,7 +25,9 @@ module slog_rules_dense_pass
     input logic                 done_o,
     input dense_status_e        status_o,
     input logic                 idle_q,
+    input logic                 mark_q,
     input logic                 plan_q,
+    input logic                 flush_q,
     input logic                 tail_q,
     input logic          [10:0] wait_q,
     input logic                 due_q,
@@ -58,16 +60,17 @@ module slog_rules_dense_pass
       AssumePlanned : assume (!planned_i || plan_q);
 
       RulesDensePassRoom : assert (!reserve_o || (!tail_q && room_q) || (tail_q && empty_q));
-      RulesDensePassWords : assert (!reserve_o || words_o == words_q);
+      RulesDensePassWords : assert (!reserve_o || tail_q || words_o == words_q);
       RulesDensePassOnce : assert (!reserve_o || !reserve_q);
       RulesDensePassPitch : assert (!row_o || since_q >= pitch_i);
       RulesDensePassRows : assert (idle_q || rows_seen_q + 11'(rows_left_q) == 11'(height_q) || !rows_q);
+      RulesDensePassNone : assert (!(mark_q || plan_q || flush_q) || rows_seen_q == '0);
       RulesDensePassTail : assert (!tail_o || status_o == DenseCancelled);
       RulesDensePassDone : assert (!done_o || busy_o);
       // For the induction.
       RulesDensePassSince : assert (!rows_q || due_q || row_o || since_q >= pitch_i ||
-                                    12'(since_q) + 12'(wait_q) + 12'd1 == 12'(pitch_i));
-      RulesDensePassDue : assert (!rows_q || !due_q || row_o || since_q >= pitch_i);
+                                    12'(since_q) + 12'(wait_q) + 12'd2 == 12'(pitch_i));
+      RulesDensePassDue : assert (!rows_q || !due_q || row_o || 12'(since_q) + 12'd1 >= 12'(pitch_i));
       CoverSecondRow : cover (row_o && since_q == pitch_i);
       CoverTail : cover (tail_o);
       CoverDone : cover (done_o && status_o == DenseOk && rows_seen_q == 11'd2);

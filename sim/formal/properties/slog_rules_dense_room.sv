@@ -26,7 +26,7 @@ module slog_rules_dense_room #(
     else owed_q <= owed_q + (reserve_i ? 32'(words_i) : 0) - 32'(taken_i);
     if (!rst_i) begin
       AssumeWords : assume (32'(words_i) <= Depth);
-      AssumeReserve : assume (!reserve_i || (room_o && ready_q && !reserve_q && words_i == words_q));
+      AssumeReserve : assume (!reserve_i || (ready_q && !reserve_q && (empty_o || (room_o && words_i == words_q))));
       AssumeTakenWasReserved : assume (!(taken_i && owed_q == 0));
       RulesDenseRoomNoOverflow : assert (owed_q <= Depth);
       RulesDenseRoomFree : assert (32'(free_q) + owed_q == Depth);
