@@ -84,6 +84,10 @@ tracks: setup ## Tracks of clips that return to their start, clear and murky, ag
 links: setup ## Links of real and rendered surveys against SIFT and truth, tilted and over relief, held to bars (SEED=1)
 	@PYTHONPATH=sw $(PY) -m tests.links $(if $(SEED),--seed $(SEED))
 
+.PHONY: dense-bars
+dense-bars: setup ## Dense stereo and flow against the truth, clean and murky, held to bars (SEED=1; a minute)
+	@PYTHONPATH=sw $(PY) -m tests.dense_bars $(if $(SEED),--seed $(SEED))
+
 .PHONY: navigate-bars
 navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars (SEED=1)
 	@PYTHONPATH=sw $(PY) -m tests.localising $(if $(SEED),--seed $(SEED))

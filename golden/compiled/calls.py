@@ -99,7 +99,9 @@ class Kernel:
         maps = (ctypes.c_void_p * 8)(*(field.ctypes.data for field in (*counts, *flags)))
         _enough(self._code.slog_dense(self._index, left.ctypes.data, right.ctypes.data, left.shape[1], width, height,
                                       numbers.ctypes.data, maps))
-        return DenseResult(*counts, *flags)
+        index, best, lower, upper, rest = counts
+        found, agrees, valid = flags
+        return DenseResult(index, best, lower, upper, rest, found, agrees, valid)
 
 
 def pack(plane: Image) -> Packed:

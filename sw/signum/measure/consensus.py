@@ -5,6 +5,9 @@ Under snow or over weak texture many a window finds a chance match, each another
 their neighbours. A place takes its own displacement where enough of the neighbourhood supports it, else the one nearby
 with the most support, and a plane fitted to the displacements like it: noise is averaged, and turns, zooms and slopes
 are kept. A place that measured something else by itself is refused, not overruled: something small may move there.
+
+What turns or zooms as a whole, as a camera's view does, is taken out before, and put back: within a neighbourhood only
+what remains must be alike.
 """
 
 from __future__ import annotations
@@ -21,9 +24,14 @@ Flags = NDArray[np.bool_]
 Field = NDArray[np.float32]
 AFAR = 1e6
 """Displacement of a place that has none, pixels: like no other."""
+FEWEST = 0.7
+"""Share of a neighbourhood that counts where less of it lies on the grid: in a corner a single false match, found by
+all windows that hold it, would have support enough."""
 ROUNDS = 2
 """Times that a place's displacement moves to the mean of those like it, before the plane is fitted."""
-STEADY = 5.0
+SCALES_PX = 16.0, 8.0, 4.0, 2.0, 1.0, 1.0
+"""Residuals beyond which displacements count less in the motion of the whole, round by round."""
+STEADY = 20.0
 """Slopes are held near 0 as by this many places at the neighbourhood's edge."""
 
 
@@ -39,19 +47,26 @@ class ConsensusRules:
         contrary_px: difference from which what a place measured by itself is something else.
     """
 
-    like_px: float = 1.0
+    like_px: float = 0.75
     support: float = 0.3
-    majority: float = 0.7
+    majority: float = 0.5
     contrary_px: float = 2.0
 
 
 class _Around:
-    """The neighbourhood of every place of a grid (ny, nx): places at most `reach` away, every `stride`-th."""
+    """The neighbourhood of every place of a grid (ny, nx): places at most `reach` away, every `stride`-th.
+
+    `count` is how many of them lie on the grid, but no fewer than FEWEST.
+    """
 
     def __init__(self, shape: tuple[int, int], reach: int, stride: int) -> None:
         self.shape, self.pad = shape, reach // stride * stride
         span = range(-self.pad, self.pad + 1, stride)
         self.steps = sorted(((j, i) for j in span for i in span), key=lambda at: at[0] ** 2 + at[1] ** 2)
+        self.count = np.zeros(shape, np.float32)
+        for _, _, (there,) in self.views((np.ones(shape), 0)):
+            self.count += there
+        self.count = np.maximum(self.count, FEWEST * len(self.steps))
 
     def views(self, *fields: tuple[NDArray[np.generic], float]) -> Iterator[tuple[int, int, list[NDArray[np.float32]]]]:
         """For each neighbour, nearest first, its place and the fields shifted there; a field goes on as the number
@@ -79,7 +94,8 @@ def agree_around(dx: Floats, dy: Floats, measured: Flags, sure: Flags, reach: in
     """
     rules = rules or ConsensusRules()
     around = _Around((dx.shape[0], dx.shape[1]), reach, stride)
-    u, v = (np.where(measured, d, AFAR).astype(np.float32) for d in (dx, dy))
+    u_whole, v_whole = (_of_whole(d, measured) for d in (dx, dy))
+    u, v = (np.where(measured, d, AFAR).astype(np.float32) for d in (dx - u_whole, dy - v_whole))
     share = _support(around, u, v, u, v, rules.like_px)
     share = np.where(measured, share, 0).astype(np.float32)
     own = share >= rules.support
@@ -96,25 +112,38 @@ def agree_around(dx: Floats, dy: Floats, measured: Flags, sure: Flags, reach: in
     enough = np.maximum(rules.support, rules.majority * _share(around, measured))
     u_fit, v_fit = _planes(around, u, v, u_mean, v_mean, rules.like_px)
     contrary = sure & (np.hypot(u - u_fit, v - v_fit) > rules.contrary_px)
-    return np.asarray((support >= enough) & ~contrary), u_fit, v_fit
+    return np.asarray((support >= enough) & ~contrary), u_fit + u_whole, v_fit + v_whole
+
+
+def _of_whole(d: Floats, measured: Flags) -> Floats:
+    """One component of the motion that the whole grid has: a plane through most of the measured displacements."""
+    y, x = (at / max(d.shape) for at in np.indices(d.shape))
+    terms = np.stack([np.ones(d.shape), x, y])
+    known, values = terms[:, measured], d[measured]
+    if values.size < terms.shape[0]:
+        return np.zeros(d.shape)
+    plane = np.array([np.median(values), 0.0, 0.0])
+    for scale in SCALES_PX:
+        weight = 1 / (1 + ((values - plane @ known) / scale) ** 2) ** 2
+        normal = (weight * known) @ known.T + 1e-6 * np.eye(3)
+        plane = np.linalg.solve(normal, (weight * known) @ values)
+    return np.asarray(np.tensordot(plane, terms, 1))
 
 
 def _share(around: _Around, places: Flags) -> Field:
     """Share of each place's neighbours on the grid that are among these places."""
-    among, total = np.zeros(around.shape, np.float32), np.zeros(around.shape, np.float32)
-    for _, _, (there, near) in around.views((np.ones(around.shape), 0), (places, 0)):
+    among = np.zeros(around.shape, np.float32)
+    for _, _, (near,) in around.views((places, 0)):
         among += near
-        total += there
-    return among / total
+    return among / around.count
 
 
 def _support(around: _Around, u: Field, v: Field, u0: Field, v0: Field, like_px: float) -> Field:
     """Share of each place's neighbours on the grid whose displacements (u, v) are like its (u0, v0)."""
-    like, total = np.zeros(around.shape, np.float32), np.zeros(around.shape, np.float32)
-    for _, _, (there, near_u, near_v) in around.views((np.ones(around.shape), 0), (u, AFAR), (v, AFAR)):
+    like = np.zeros(around.shape, np.float32)
+    for _, _, (near_u, near_v) in around.views((u, AFAR), (v, AFAR)):
         like += (near_u - u0) ** 2 + (near_v - v0) ** 2 <= like_px**2
-        total += there
-    return like / total
+    return like / around.count
 
 
 def _mean(around: _Around, u: Field, v: Field, u0: Field, v0: Field, like_px: float) -> tuple[Field, Field]:

@@ -89,7 +89,7 @@ def measure_dense_flow(measurer: Measurer, before: View, after: View, window: in
     away = max(1, round(rules.neighbourhood * window / step))
     stride = max(1, window // STRIDES // step)
     valid, u, v = agree_around(dx[inner], dy[inner], measured[inner], sure[inner], away, stride, rules.consensus)
-    y, x = (np.arange(first, size) * float(step) - window // 2 + 1 for size in dx.shape)
+    y, x = ((np.arange(first, size) * step - window // 2 + 1).astype(np.float64) for size in dx.shape)
     return FlowField(x, y, np.where(valid, u, np.nan), np.where(valid, v, np.nan), score[inner],
                      _refused({str(reason): bad[inner] for reason, bad in reasons.items()}, valid))
 

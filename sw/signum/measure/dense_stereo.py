@@ -114,7 +114,7 @@ def measure_dense_range(measurer: Measurer, left: View, right: View, disparities
     reasons[PATCH] = good & ~_in_patches(found.disparity, good, rules.patch * window**2, rules.agreement_px)
     good &= ~reasons[PATCH]
     thin = slice(None, None, step)
-    y, x = (np.arange(0, size, step, np.float64) for size in good.shape)
+    y, x = (np.arange(0, size, step).astype(np.float64) for size in good.shape)
     return RangeMap(x, y, np.where(good, found.disparity, np.nan)[thin, thin], found.score[thin, thin],
                     found.margin[thin, thin], _counted({reason: bad[thin, thin] for reason, bad in reasons.items()}))
 

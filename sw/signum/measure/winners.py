@@ -75,7 +75,7 @@ class Winners(Places):
     @property
     def best(self) -> Whole:
         """Mismatches at the best displacement."""
-        return self.around[1, 1]
+        return np.asarray(self.around[1, 1])
 
     def returned(self, back: Callable[[], Places]) -> Flags:
         """Whether the second view's windows find the same: as the engine found it, or by the places that `back`
@@ -97,10 +97,11 @@ class _Row:
     @classmethod
     def searched(cls, measurer: Measurer, views: tuple[View, View], search: DensePass, step: int) -> _Row:
         found = measurer.dense(*views, search, (step, step))
-        counts = [np.where(c == ABSENT, NONE, c.astype(np.int32)).astype(np.int32)
-                  for c in (found.best, found.upper, found.lower, found.rest)]  # upper: one more to the left
+        best, left, right, rest = (  # the next offset lies to the left
+            np.where(c == ABSENT, NONE, c.astype(np.int32)).astype(np.int32)
+            for c in (found.best, found.upper, found.lower, found.rest))
         dx = np.where(found.found, -search.start - found.index.astype(np.int32), 0)
-        return cls(dx.astype(np.int32), *counts, found.agrees)
+        return cls(dx.astype(np.int32), best, left, right, rest, found.agrees)
 
     def beside(self, dx: Whole) -> Whole:
         """Least mismatches that are known more than a pixel from a displacement."""
@@ -112,8 +113,9 @@ class _Row:
         takes = np.where(same, self.left == NONE, other.best < self.best)
         dx = np.where(takes, other.dx, self.dx)
         rest = np.minimum(self.beside(dx), other.beside(dx))
-        return _Row(dx, *(np.where(takes, b, a) for a, b in (
-            (self.best, other.best), (self.left, other.left), (self.right, other.right))), rest, None)
+        best, left, right = (np.where(takes, b, a) for a, b in (
+            (self.best, other.best), (self.left, other.left), (self.right, other.right)))
+        return _Row(dx, best, left, right, rest, None)
 
 
 def search_winners(measurer: Measurer, views: tuple[View, View], window: int, across: tuple[int, int],
