@@ -20,8 +20,8 @@ import numpy.typing as npt
 
 from golden.correlate import Plane
 
-WINDOWS = (8, 16, 32)
-"""Sides of the windows that an engine may be built with, pixels."""
+WINDOWS = (2, 4, 8, 16, 32)
+"""Sides of the windows that an engine may be built with, pixels; the configuration says which it has."""
 ABSENT = -1
 """In a map: no offset counts at that place."""
 START_RANGE = -512, 511

@@ -35,6 +35,10 @@ class Config:
 
     `group_bits` is the width of one operand group of the correlator array and of a store word; an array
     step takes two rows of a window up to `group_bits` wide, or one row of a window up to `max_window` wide.
+    Without `array` it has none, and takes no jobs.
+
+    A board with `dense_offsets` has a dense engine of as many offsets, 0 for none, in groups of `dense_lanes`; its
+    windows are `dense_window` wide and `dense_sizes` - 1 times half as wide.
 
     Raises:
         ValueError: if the numbers contradict one another.
@@ -51,6 +55,11 @@ class Config:
     job_depth: int = 64
     result_depth: int = 64
     surface_depth: int = 1024
+    array: bool = True
+    dense_offsets: int = 0
+    dense_window: int = 32
+    dense_sizes: int = 3
+    dense_lanes: int = 8
 
     def __post_init__(self) -> None:
         if self.group_bits < 4 or self.group_bits & (self.group_bits - 1):
@@ -65,6 +74,15 @@ class Config:
             raise ValueError("coordinates have 10 bits")
         if self.radius < 2 * MAX_SIGMA:
             raise ValueError(f"radius must be {2 * MAX_SIGMA:g} or more, to hold a LoG of sigma {MAX_SIGMA:g}")
+        self._check_dense()
+
+    def _check_dense(self) -> None:
+        if not (self.array or self.dense_offsets):
+            raise ValueError("a board needs the array or a dense engine")
+        if self.dense_lanes < 1 or self.dense_offsets % self.dense_lanes or not 0 <= self.dense_offsets <= 256:
+            raise ValueError("dense_offsets must be a multiple of dense_lanes, 256 or less")
+        if self.dense_window not in (2, 4, 8, 16, 32) or not 1 <= self.dense_sizes < self.dense_window.bit_length():
+            raise ValueError("dense_window must be a power of two, 2 to 32, and its smallest part 2 or more")
 
     @property
     def max_window(self) -> int:
@@ -112,6 +130,11 @@ class Config:
         return 2 * self.max_window
 
     @property
+    def dense_windows(self) -> tuple[int, ...]:
+        """Sides of the dense engine's windows, the largest first; none without an engine."""
+        return tuple(self.dense_window >> k for k in range(self.dense_sizes)) if self.dense_offsets else ()
+
+    @property
     def coefs(self) -> int:
         """Coefficients of a symmetric kernel: centre first, then one per distance."""
         return self.radius + 1
@@ -120,7 +143,12 @@ class Config:
 TINY = Config(name="tiny", max_width=48, max_height=36, min_window=2, group_bits=8, radius=8,
               job_depth=8, result_depth=4, surface_depth=64)
 FULL = Config(name="full", max_width=640, max_height=480, min_window=8, group_bits=64, radius=16)
-CONFIGS = {c.name: c for c in (TINY, FULL)}
+DENSE = Config(name="dense", max_width=640, max_height=480, min_window=8, group_bits=64, radius=16, slots=3,
+               array=False, dense_offsets=128)
+TINY_DENSE = Config(name="tiny_dense", max_width=48, max_height=36, min_window=2, group_bits=8, radius=8, slots=3,
+                    job_depth=8, result_depth=4, surface_depth=64, array=False, dense_offsets=16, dense_window=8,
+                    dense_sizes=2)
+CONFIGS = {c.name: c for c in (TINY, FULL, TINY_DENSE, DENSE)}
 
 
 def sv_package(c: Config) -> str:
@@ -133,6 +161,9 @@ def sv_package(c: Config) -> str:
         "Radius": c.radius, "Coefs": c.coefs, "CoefBits": COEF_BITS, "CoefFraction": COEF_FRACTION,
         "JobDepth": c.job_depth, "ResultDepth": c.result_depth, "SurfaceDepth": c.surface_depth,
     }
+    if c.dense_offsets:
+        values |= {"DenseOffsets": c.dense_offsets, "DenseWindow": c.dense_window, "DenseSizes": c.dense_sizes,
+                   "DenseLanes": c.dense_lanes}
     lines = [f"  localparam int unsigned {k} = {v};" for k, v in values.items()]
     return "\n".join([
         "// SPDX-License-Identifier: Apache-2.0",

@@ -31,7 +31,10 @@ from golden.params import (
     ({"min_window": 9}, "min_window"), ({"max_height": 15}, "largest window"), ({"max_width": 17}, "LoG kernel"),
     ({"cameras": 3}, "cameras"), ({"slots": 1}, "slots"), ({"slots": 9}, "slots"), ({"max_width": 1024}, "10 bits"),
     ({"max_height": 1024}, "10 bits"), ({"cameras": 0}, "cameras"), ({"group_bits": 0}, "power of two"),
-    ({"radius": 7}, "sigma 4")])
+    ({"radius": 7}, "sigma 4"), ({"array": False}, "array or a dense"), ({"dense_offsets": 12}, "multiple"),
+    ({"dense_offsets": 264}, "256 or less"), ({"dense_offsets": -8}, "256 or less"), ({"dense_lanes": 0}, "multiple"),
+    ({"dense_window": 64}, "power of two"), ({"dense_window": 12}, "power of two"),
+    ({"dense_sizes": 0}, "power of two"), ({"dense_window": 8, "dense_sizes": 4}, "smallest part")])
 def test_contradictions_are_refused(change: dict[str, int], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         replace(TINY, **change)  # type: ignore[arg-type]
@@ -40,7 +43,8 @@ def test_contradictions_are_refused(change: dict[str, int], message: str) -> Non
 @pytest.mark.parametrize("change", [
     {"group_bits": 4}, {"min_window": 1}, {"min_window": 8}, {"max_height": 18}, {"max_width": 18},
     {"cameras": 1}, {"cameras": 2}, {"slots": 2}, {"slots": 8}, {"max_width": 1023}, {"max_height": 1023},
-    {"group_bits": 16, "max_height": 32, "max_width": 32}])
+    {"group_bits": 16, "max_height": 32, "max_width": 32}, {"dense_offsets": 256}, {"dense_offsets": 8, "array": False},
+    {"dense_window": 8, "dense_sizes": 3}])
 def test_limits_are_accepted(change: dict[str, int]) -> None:
     config = replace(TINY, **change)  # type: ignore[arg-type]
     assert all(getattr(config, name) == value for name, value in change.items())
@@ -52,6 +56,7 @@ def test_numbers_that_follow() -> None:
     assert (c.words_per_row, c.slot_words, c.store_words) == (11, 11 * 132, 6 * 11 * 132)
     assert (c.score_bits, c.ring_rows) == (15, 256)
     assert (PIXEL_BITS, SCORE_BITS, NO_SCORE, TAG_BITS) == (8, 15, 32767, 16)
+    assert replace(c, dense_offsets=8).dense_windows == (32, 16, 8) and c.dense_windows == ()
     assert (COEF_BITS, COEF_FRACTION, MIN_SIGMA, MAX_SIGMA) == (18, 15, 1.0, 4.0)
 
 

@@ -3,9 +3,11 @@
 
     from signum import Job, Measurer, Query, grid, locate_peaks, open_board, run_jobs
 
-- Boards: `open_board` gives a `Board`, built as `FULL` or `TINY` (`Config`): frames in (`capture`), sign planes out
-  (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`, whose jobs `grid` lists), results
-  (`collect`) and whole surfaces (`surface`). `BoardError` is raised for what a board cannot do.
+- Boards: `open_board` gives a `Board`, built as `FULL`, `TINY` or `DENSE` (`Config`): frames in (`capture`), sign
+  planes out (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`, whose jobs `grid` lists),
+  results (`collect`) and whole surfaces (`surface`). A `DENSE` board has no array: `dense` runs a `DenseJob`, which
+  searches a `DensePass` around every pixel, and gives a `DenseResult`. `BoardError` is raised for what a board cannot
+  do.
 - Results: a `Job` has a `Result`: the bits of the board. Its `patch` is the 3x3 scores round the best, rows from the
   top, columns from the left. `locate_peaks` turns results into `Peak`s: sub-pixel offsets, and `above_chance`, how many
   standard deviations of a chance score the peak lies above a chance match. A search always has a best place; one that
@@ -31,18 +33,21 @@ from signum.common.version import VERSION
 __version__ = VERSION
 
 __all__ = [
-    "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "Fit", "FlowField", "Follower", "Frame",
-    "Identification", "Job", "Lens", "Level", "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer",
-    "MotionEye", "Peak", "Place", "Query", "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar",
-    "Registration", "RegistrationLimits", "Result", "Rig", "Rules", "SignumError", "Similarity", "Source",
-    "SourceError", "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint",
-    "TrackSettings", "Tracker", "View", "grid", "locate_peaks", "measure_flow", "measure_range", "open_board",
-    "open_lens", "open_rig", "open_source", "read_mono", "read_picture", "read_stereo", "run_jobs",
+    "DENSE", "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "DenseJob", "DensePass",
+    "DenseResult", "Fit", "FlowField", "Follower", "Frame", "Identification", "Job", "Lens", "Level",
+    "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer", "MotionEye", "Peak", "Place", "Query",
+    "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar", "Registration", "RegistrationLimits",
+    "Result", "Rig", "Rules", "SignumError", "Similarity", "Source", "SourceError", "StationMeter", "Status",
+    "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings", "Tracker", "View",
+    "grid", "locate_peaks", "measure_flow", "measure_range", "open_board", "open_lens", "open_rig", "open_source",
+    "read_mono", "read_picture", "read_stereo", "run_jobs",
 ]
 
 _MODULES = {
     "golden.correlate": ("Job", "Result", "Status", "grid"),
-    "golden.params": ("FULL", "NO_SCORE", "TINY", "Config"),
+    "golden.dense": ("DensePass",),
+    "golden.dense_job": ("DenseJob", "DenseResult"),
+    "golden.params": ("DENSE", "FULL", "NO_SCORE", "TINY", "Config"),
     "signum.applications.follow.eyes": ("MotionEye", "RangeEye"),
     "signum.applications.follow.follower": ("Follower", "Target"),
     "signum.applications.mavlink.sink": ("MavlinkSink",),
@@ -76,7 +81,9 @@ _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 if TYPE_CHECKING:
     from golden.correlate import Job, Result, Status, grid
-    from golden.params import FULL, NO_SCORE, TINY, Config
+    from golden.dense import DensePass
+    from golden.dense_job import DenseJob, DenseResult
+    from golden.params import DENSE, FULL, NO_SCORE, TINY, Config
     from signum.applications.follow.eyes import MotionEye, RangeEye
     from signum.applications.follow.follower import Follower, Target
     from signum.applications.hold.meter import StationMeter

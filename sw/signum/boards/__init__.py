@@ -16,7 +16,7 @@ def open_board(name: str, config: Config = FULL) -> Board:
 
     Args:
         name: `golden`, the model, or `verilated`, the RTL.
-        config: the build: FULL, or TINY for quick tests.
+        config: the build: FULL, DENSE with the dense engine, or TINY and TINY_DENSE for quick tests.
 
     Raises:
         ValueError: for an unknown name.

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.correlate import Job, Result
+from golden.dense_job import DenseJob, DenseResult, DenseStatus
 from golden.params import MAX_SIGMA, MIN_SIGMA, Config
 from golden.tables import SLOT_FIELDS, IntTable, check_fields, results_table, table_jobs
 from signum.common.arrays import Image
@@ -191,6 +192,7 @@ class Board(ABC):
         Raises:
             BoardError: if a job asks for the surface (use `surface`), or names a slot captured at another image size.
         """
+        self._check_array()
         for job in jobs:
             self._check_job(job)
         self._submit(jobs)
@@ -209,6 +211,7 @@ class Board(ABC):
         Raises:
             BoardError: as `submit`, or if a count or a step is outside its range.
         """
+        self._check_array()
         self._check_job(job)
         if min(count) < 1 or max(count) > 1023 or min(step) < 0 or max(step) > 1023:
             raise BoardError(f"grid of {count} with steps {step}: counts are 1..1023 and steps 0..1023")
@@ -239,11 +242,34 @@ class Board(ABC):
         """
         if self._named:
             raise BoardError("collect the outstanding results before asking for a surface")
+        self._check_array()
         self._check_slots(job)
         result, surface = self._surface(job)
         if surface is None:
             raise BoardError(f"job refused: {result.status.name}")
         return result, surface
+
+    def dense(self, job: DenseJob) -> DenseResult:
+        """Run a pass of the dense engine at once: the winner of its offsets around every pixel that the step leaves.
+
+        Args:
+            job: what is searched for, and what counts as valid; see `golden.dense` for the windows' places.
+
+        Returns:
+            Arrays (ceil(height / step_y), ceil(width / step_x)), counts in mismatches.
+
+        Raises:
+            BoardError: if this build has no dense engine, a slot was captured at another image size, or the board
+                refuses the job.
+        """
+        if not self._config.dense_offsets:
+            raise BoardError("this board has no dense engine: use the configuration dense")
+        for slot in (job.left, job.right):
+            self._check_slot(slot)
+        status, result = self._dense(job)
+        if result is None:
+            raise BoardError(f"dense job refused: {status.name}")
+        return result
 
     @abstractmethod
     def counters(self) -> dict[str, int]:
@@ -285,6 +311,10 @@ class Board(ABC):
             raise BoardError(f"camera {camera}: this board has {self._config.cameras}")
         if frame.dtype != np.uint8 or frame.shape != self._size[::-1]:
             raise BoardError(f"frame is {frame.dtype} {frame.shape}: expected uint8 {self._size[::-1]}")
+
+    def _check_array(self) -> None:
+        if not self._config.array:
+            raise BoardError("this board has no array for single windows: use the configuration full")
 
     def _note(self, job: Job, count: int) -> None:
         """Add `count` jobs with the slots of `job` to the outstanding ones."""
@@ -335,6 +365,10 @@ class Board(ABC):
     def _surface(self, job: Job) -> tuple[Result, Surface | None]:
         """A job's result and surface; no surface where the job is refused."""
 
+    @abstractmethod
+    def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
+        """The status of a job of the dense engine, which the build has, and its winners where that is OK."""
+
     def _run_table(self, jobs: IntTable) -> IntTable:
         """Results of a table of jobs, while no others are outstanding."""
         self._submit(table_jobs(jobs))
@@ -351,6 +385,7 @@ def run_table(board: Board, jobs: IntTable) -> IntTable:
     """
     if board.outstanding:
         raise BoardError("collect the outstanding results before running a table of jobs")
+    board._check_array()
     check_fields(jobs)
     for slot in np.unique(jobs[:, SLOT_FIELDS]).tolist():
         board._check_slot(slot)

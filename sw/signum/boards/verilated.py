@@ -9,10 +9,12 @@ from pathlib import Path
 
 from golden import log
 from golden.correlate import Job, Result, Status
+from golden.dense_job import DenseJob, DenseResult, DenseStatus
 from golden.params import FULL, Config
 from signum.boards.board import Board, BoardError, Identification, Surface
 from signum.common.arrays import Image
 from sim.board.build import BuildError
+from sim.board.dense import DenseEngine
 from sim.board.device import Device, DeviceError
 
 
@@ -110,3 +112,9 @@ class VerilatedBoard(Board):
         if result.status is not Status.OK:
             return result, None
         return result, self._device.surface(job.offsets_x * job.offsets_y).reshape(job.offsets_y, job.offsets_x)
+
+    def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
+        try:
+            return DenseEngine(self._device).run(job)
+        except DeviceError as error:
+            raise BoardError(str(error)) from error

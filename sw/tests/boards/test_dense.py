@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Board interface to the dense engine on the golden board: winners of captured slots, refused calls."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden.compiled.calls import CHOICE, NUMPY
+from golden.correlate import Job
+from golden.dense import DensePass
+from golden.dense_job import DenseJob, run_dense
+from golden.params import TINY, TINY_DENSE
+from golden.tables import jobs_table
+from signum.boards.board import BoardError, run_table
+from signum.boards.golden import GoldenBoard
+
+JOB = DenseJob(0, 1, DensePass(8, 12, -4, 2), step=(2, 3), most=30, margin=2, check=True)
+
+
+@pytest.fixture(params=["", NUMPY])
+def board(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> GoldenBoard:
+    """A tiny board with the engine, compiled and in NumPy: slot 1 holds the frame of slot 0 moved by (3, 2) px."""
+    monkeypatch.setenv(CHOICE, request.param)
+    scene = np.random.default_rng(5).integers(0, 256, (50, 60), dtype=np.uint8)
+    made = GoldenBoard(TINY_DENSE)
+    made.configure((48, 36), 1.5)
+    made.capture_pair((0, 1), (scene[8:44, 7:55], scene[10:46, 10:58]))
+    return made
+
+
+def test_every_pixel_finds_the_shift(board: GoldenBoard) -> None:
+    result = board.dense(JOB)
+    assert result.valid.sum() > 0.5 * result.valid.size and (result.index[result.valid] - 4 == 3).all()
+    expected = run_dense(JOB, {slot: board.read_plane(slot) for slot in (0, 1)}, TINY_DENSE, (48, 36))[1]
+    assert expected is not None
+    for name, values in vars(expected).items():
+        assert np.array_equal(values, getattr(result, name)), name
+        assert values.dtype == getattr(result, name).dtype
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    ({"search": DensePass(16, 4)}, "BAD_WINDOW"), ({"search": DensePass(8, 17)}, "BAD_OFFSETS"),
+    ({"right": 2}, "BAD_SLOT"), ({"left": 7}, "BAD_SLOT"), ({"step": (0, 1)}, "BAD_STEP")])
+def test_refused_jobs(board: GoldenBoard, change: dict[str, object], message: str) -> None:
+    with pytest.raises(BoardError, match=f"dense job refused: {message}"):
+        board.dense(replace(JOB, **change))  # type: ignore[arg-type]
+
+
+def test_slots_of_another_size_are_refused(board: GoldenBoard) -> None:
+    board.configure((40, 30), 1.5)
+    with pytest.raises(BoardError, match="slot 0 was captured at another image size"):
+        board.dense(JOB)
+
+
+def test_what_the_build_has_not_is_refused_in_one_line(board: GoldenBoard) -> None:
+    with pytest.raises(BoardError, match=r"^this board has no dense engine: use the configuration dense$"):
+        GoldenBoard(TINY).dense(JOB)
+    job = Job(0, 16, 12, 12, 12, 1, 12, 8, 9, 9)
+    for call in (lambda: board.submit([job]), lambda: board.submit_grid(job, (1, 1), (1, 1)),
+                 lambda: board.surface(job), lambda: run_table(board, jobs_table([job]))):
+        with pytest.raises(BoardError, match=r"^this board has no array for single windows"):
+            call()
