@@ -8,6 +8,7 @@ correlator/slog_fetch_pkg.sv
 dense/slog_dense_pkg.sv
 gen/{config}/slog_cfg_pkg.sv
 gen/slog_csr_pkg.sv
+gen/slog_dense_csr_pkg.sv
 cells/slog_ram.sv
 cells/slog_mult.sv
 cells/slog_fifo.sv
@@ -64,6 +65,8 @@ control/slog_axil.sv
 control/slog_counters.sv
 gen/slog_csr.sv
 control/slog_control.sv
+gen/slog_dense_csr.sv
+control/slog_dense_control.sv
 cells/slog_ram_clear.sv
 dense/slog_dense_lanes.sv
 dense/slog_dense_memory.sv
@@ -79,4 +82,4 @@ dense/slog_dense_check.sv
 dense/slog_dense_out.sv
 dense/slog_dense_pass.sv
 dense/slog_dense.sv
-slog_board.sv
+{top}.sv

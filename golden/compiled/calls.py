@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from golden.compiled.build import KernelError, library
+from golden.dense_job import DenseJob, DenseResult
 from golden.log import Image, kernels
 from golden.tables import RESULT_FIELDS, IntTable, refused_table
 
@@ -86,6 +87,23 @@ class Kernel:
         return table
 
 
+    def dense(self, left: Packed, right: Packed, width: int, job: DenseJob) -> DenseResult:
+        """Winners of a job that `golden.dense_job.check_job` accepts, on the planes of its two slots, `width` pixels
+        wide, as `golden.dense_job.run_dense` gives them."""
+        height, one = len(left), job.search
+        shape = -(-height // job.step[1]), -(-width // job.step[0])
+        counts = [np.empty(shape, np.int16) for _ in range(5)]
+        flags = [np.empty(shape, np.bool_) for _ in range(3)]
+        numbers = np.array((one.window, one.offsets, one.start, one.down, *job.step, job.most, job.margin, job.check),
+                           np.int32)
+        maps = (ctypes.c_void_p * 8)(*(field.ctypes.data for field in (*counts, *flags)))
+        _enough(self._code.slog_dense(self._index, left.ctypes.data, right.ctypes.data, left.shape[1], width, height,
+                                      numbers.ctypes.data, maps))
+        index, best, lower, upper, rest = counts
+        found, agrees, valid = flags
+        return DenseResult(index, best, lower, upper, rest, found, agrees, valid)
+
+
 def pack(plane: Image) -> Packed:
     """A sign plane, uint8 0/1 (height, width), in words."""
     height, width = plane.shape
@@ -116,6 +134,7 @@ def variants() -> dict[str, Kernel]:
     code.slog_variant.argtypes, code.slog_variant.restype = [whole], ctypes.c_char_p
     code.slog_filter.argtypes = [whole, pointer, whole, whole, pointer, whole, pointer, whole, pointer]
     code.slog_search.argtypes = [whole, pointer, whole, pointer, pointer, ctypes.c_long, pointer]
+    code.slog_dense.argtypes = [whole, pointer, pointer, whole, whole, whole, pointer, pointer]
     names: list[str] = []
     while (name := code.slog_variant(len(names))) is not None:
         names.append(name.decode())

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The golden board's arithmetic for hosts: signs of the LoG and results of correlation jobs, the same bits as
-// golden/log.py and golden/correlate.py, which specify them. `calls.py` calls it, `build.py` compiles it.
+// The golden board's arithmetic for hosts: signs of the LoG, results of correlation jobs and of the dense search,
+// the same bits as golden/log.py, golden/correlate.py and golden/dense_job.py, which specify them. `calls.py` calls it, `build.py` compiles it.
 //
 // A sign plane is packed: row after row of `pitch` 64-bit words, pixel x of a row in bit x % 64 of word x / 64. A row
 // has one word more than its pixels fill, so that 64 bits can be read from any of its pixels on; unused bits are 0.
 //
-// The two files below are compiled once for each set of instructions, and the caller chooses among them at run time.
+// The files below are compiled once for each set of instructions, and the caller chooses among them at run time.
 
 #include <cstdint>
 #include <cstdlib>
@@ -26,6 +26,16 @@ struct Job {
 };
 struct Result {
   std::int32_t best_x, best_y, score, neighbours[8], runner_up;
+};
+
+// A pass of the dense search that golden.dense_job.check_job accepts; see golden.dense_job.DenseJob.
+struct DenseJob {
+  std::int32_t window, offsets, start, down, step_x, step_y, most, margin, check;
+};
+// Where the answer goes, in the order of golden.dense_job.DenseResult: every step_x-th pixel of every step_y-th row.
+struct DenseMaps {
+  std::int16_t *counts[5];
+  std::uint8_t *flags[3];
 };
 
 // Memory that grows with the largest job of a batch.
@@ -64,6 +74,7 @@ inline Word low_bits(int count) { return ~Word{0} >> (64 - count); }
 }  // namespace
 
 namespace plain {
+#include "dense.hpp"
 #include "filter.hpp"
 #include "search.hpp"
 }  // namespace plain
@@ -73,6 +84,7 @@ namespace plain {
 #pragma GCC push_options
 #pragma GCC target("popcnt")
 namespace popcnt {
+#include "dense.hpp"
 #include "filter.hpp"
 #include "search.hpp"
 }  // namespace popcnt
@@ -82,6 +94,7 @@ namespace popcnt {
 #pragma GCC push_options
 #pragma GCC target("popcnt,avx2,fma,bmi2")
 namespace avx2 {
+#include "dense.hpp"
 #include "filter.hpp"
 #include "search.hpp"
 }  // namespace avx2
@@ -91,6 +104,7 @@ namespace avx2 {
 #pragma GCC push_options
 #pragma GCC target("popcnt,avx2,fma,bmi2,avx512f,avx512bw,avx512vl,avx512dq,avx512vpopcntdq")
 namespace avx512 {
+#include "dense.hpp"
 #include "filter.hpp"
 #include "search.hpp"
 }  // namespace avx512
@@ -104,26 +118,27 @@ struct Variant {
   bool (*present)();
   decltype(&plain::search) search;
   decltype(&plain::filter) filter;
+  decltype(&plain::dense) dense;
 };
 
 // From the slowest to the fastest.
 const Variant Variants[] = {
-    {"plain", [] { return true; }, plain::search, plain::filter},
+    {"plain", [] { return true; }, plain::search, plain::filter, plain::dense},
 #if defined(__x86_64__)
-    {"popcnt", [] { return __builtin_cpu_supports("popcnt") != 0; }, popcnt::search, popcnt::filter},
+    {"popcnt", [] { return __builtin_cpu_supports("popcnt") != 0; }, popcnt::search, popcnt::filter, popcnt::dense},
     {"avx2",
      [] {
        return __builtin_cpu_supports("popcnt") && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
               __builtin_cpu_supports("bmi2");
      },
-     avx2::search, avx2::filter},
+     avx2::search, avx2::filter, avx2::dense},
     {"avx512",
      [] {
        return Variants[2].present() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
               __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
               __builtin_cpu_supports("avx512vpopcntdq");
      },
-     avx512::search, avx512::filter},
+     avx512::search, avx512::filter, avx512::dense},
 #endif
 };
 constexpr int VariantCount = sizeof Variants / sizeof *Variants;
@@ -150,5 +165,11 @@ int slog_search(int variant, const Word *const *planes, int pitch, const Job *jo
 int slog_filter(int variant, const std::uint8_t *image, int width, int height, const std::int32_t *taps, int radius,
                 Word *signs, int pitch, std::int64_t *response) {
   return Variants[variant].filter(image, width, height, taps, radius, signs, pitch, response);
+}
+
+// The dense search on two planes of `pitch` words a row. Returns 0, or 1 where memory is short.
+int slog_dense(int variant, const Word *left, const Word *right, int pitch, int width, int height, const DenseJob *job,
+               const DenseMaps *maps) {
+  return Variants[variant].dense(left, right, pitch, width, height, *job, *maps);
 }
 }

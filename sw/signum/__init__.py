@@ -3,10 +3,11 @@
 
     from signum import Job, Measurer, Query, grid, locate_peaks, open_board, run_jobs
 
-- Boards: `open_board` gives a `Board`, built as `FULL`, `TINY` or `DENSE` (`Config`): frames in (`capture`), sign planes
-  out (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`, whose jobs `grid` lists), results
-  (`collect`) and whole surfaces (`surface`). A `DENSE` board has no array: `dense` runs a `DenseJob`, which searches a
-  `DensePass` around every pixel, and gives a `DenseResult`. `BoardError` is raised for what a board cannot do.
+- Boards: `open_board` gives a `Board`, built as `FULL`, `TINY` or `DENSE` (`Config`): frames in (`capture`), sign
+  planes out (`read_plane`), jobs (`submit`, `run_jobs`), grids of jobs (`submit_grid`, whose jobs `grid` lists),
+  results (`collect`) and whole surfaces (`surface`). A `DENSE` board has no array: `dense` runs a `DenseJob`, which
+  searches a `DensePass` around every pixel, and gives a `DenseResult`. `BoardError` is raised for what a board cannot
+  do.
 - Results: a `Job` has a `Result`: the bits of the board. Its `patch` is the 3x3 scores round the best, rows from the
   top, columns from the left. `locate_peaks` turns results into `Peak`s: sub-pixel offsets, and `above_chance`, how many
   standard deviations of a chance score the peak lies above a chance match. A search always has a best place; one that

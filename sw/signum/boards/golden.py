@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from golden import correlate, log
 from golden.compiled.calls import Kernel, Packed, choose, unpack
 from golden.correlate import Job, Result, Status
-from golden.dense_job import DenseJob, DenseResult, DenseStatus, run_dense
+from golden.dense_job import DenseJob, DenseResult, DenseStatus, check_job, run_dense
 from golden.params import FULL, Config
 from golden.tables import (
     JOB_FIELDS,
@@ -150,9 +150,12 @@ class GoldenBoard(Board):
         return table_results(found, [job.tag])[0], surface
 
     def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
-        held = self._packed if self._kernel else self._planes
-        planes = {slot: self._read_plane(slot) for slot in {job.left, job.right} if slot in held}
-        return run_dense(job, planes, self.config, self.image_size)
+        if not self._kernel:
+            return run_dense(job, self._planes, self.config, self.image_size)
+        status = check_job(job, self.config, self.image_size, self._packed)
+        if status is not DenseStatus.OK:
+            return status, None
+        return status, self._kernel.dense(self._packed[job.left], self._packed[job.right], self.image_size[0], job)
 
     def _run_table(self, jobs: IntTable) -> IntTable:
         status = self._check(jobs)

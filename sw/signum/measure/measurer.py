@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.correlate import Status
+from golden.dense import DensePass
+from golden.dense_job import DenseJob, DenseResult
 from signum.boards.board import Board, BoardError, run_table
 from signum.common.arrays import Floats, Image
 from signum.measure.batch import Peaks, Searches
@@ -111,6 +113,16 @@ class Measurer:
         """Smallest and largest width and height of a window."""
         return self._board.config.min_window, self._board.config.max_window
 
+    @property
+    def dense_windows(self) -> tuple[int, ...]:
+        """Sides of the windows that `dense` takes, pixels, the largest first; none on a board without the engine."""
+        return self._board.config.dense_windows
+
+    @property
+    def dense_offsets(self) -> int:
+        """Most offsets of one pass of `dense`."""
+        return self._board.config.dense_offsets
+
     def view(self, frame: Image, camera: int = 0) -> View:
         """Capture a frame.
 
@@ -184,6 +196,22 @@ class Measurer:
             refused[passed[miss > rules.max_return_px]] = REASONS.index(Reason.RETURN)
         return [Measurement(dx, dy, score, margin, reason == PASSED, REASONS[reason], chance)
                 for (dx, dy, score, margin, chance), reason in zip(values.tolist(), refused.tolist(), strict=True)]
+
+    def dense(self, left: View, right: View, search: DensePass, step: tuple[int, int] = (1, 1)) -> DenseResult:
+        """Run a pass of the dense engine between two views: the bits of the board, which nothing validates.
+
+        Args:
+            left: view whose pixels the answer has.
+            right: view that is searched.
+            search: the pass.
+            step: pixels from one answered pixel to the next, across and down.
+
+        Raises:
+            ValueError: if another measurer took one of the views.
+            BoardError: if the board has no dense engine, refuses the pass, or was configured again.
+        """
+        self._check_own(left, right)
+        return self._own_board().dense(DenseJob(left._slot, right._slot, search, step))
 
     def likeness(self, view: View, windows: Iterable[tuple[int, int, int, int]]) -> list[float]:
         """How much windows (x, y of the centre, width, height) look like themselves two pixels or more away.

@@ -26,6 +26,8 @@ _Y, _X = (axis.reshape(9).astype(np.float64) for axis in np.mgrid[-1:2, -1:2])
 _QUADRATIC = np.linalg.pinv(np.stack([np.ones(9), _X, _Y, _X * _X, _X * _Y, _Y * _Y], axis=1))
 _MOST = 0.75
 """A fit moves a peak by at most this many pixels: half a pixel from the best integer, and room for noise."""
+_MOST_LEANING = 1.5
+"""The same across, where the rows lean: from row to row the best moves by more than a pixel along an edge."""
 _ROUND = 0.2
 """Square of the radius of the cone's round tip, px^2; anything from 0.1 to 0.4 is as accurate."""
 
@@ -55,6 +57,23 @@ def peak_offsets(patches: NDArray[np.generic], area: Floats | float, fit: PeakFi
     return out
 
 
+def leaning_offsets(rows: NDArray[np.generic], lean: NDArray[np.generic], area: float) -> Floats:
+    """Offsets (x, y) of peaks from their best pixels, within +-1.5 and +-0.75, by the cone.
+
+    Along a slanted edge the best offset moves from row to row. Three scores of each row about its own best then tell
+    more than a square of nine; without them the error on photographs full of edges is two to three times as large.
+
+    Args:
+        rows: (n, 3, 3) scores of the row above the best, its own, and the one below, each about its own best.
+        lean: (n, 3) how far to the right of the best the middle of each row lies, pixels; 0 in the middle.
+        area: score of a perfect match.
+
+    Returns:
+        (n, 2) float64.
+    """
+    return _cone(rows.reshape(-1, 9).astype(np.float64) / area, lean=lean.astype(np.float64))
+
+
 def line_offsets(before: Floats, best: Floats, after: Floats, sharp: NDArray[np.bool_]) -> Floats:
     """Offsets of peaks along lines from three scores each, for searches one offset high or wide, and at the border;
     within +-0.5. All arrays have one shape; `sharp` peaks are cones, others parabolas."""
@@ -72,22 +91,27 @@ def _paraboloid(scores: Floats) -> Floats:
     return np.clip(np.where(peaked[:, None], top, 0.0), -_MOST, _MOST)
 
 
-def _cone(scores: Floats, rounds: int = 5) -> Floats:
+def _cone(scores: Floats, rounds: int = 5, lean: Floats | None = None) -> Floats:
     """Tip of the least-squares elliptic cone h - sqrt(|L'(p - tip)|^2 + s^2), round at its tip, by damped Gauss-Newton.
 
     L = [[a, 0], [c, b]] holds the slopes: along an edge the score falls slower than across it. s is the root mean
     square of a and b, times the square root of _ROUND. Each round brings a peak five times as near its fit: after five
-    all of 8,749 peaks on a photograph lay within 0.00004 px of it.
+    all of 8,749 peaks on a photograph lay within 0.00004 px of it. With `lean`, (n, 3), row j of the scores begins
+    that many pixels further to the right.
     """
     scores = np.ascontiguousarray(scores.T)  # peaks last: (9, n)
     west, north, centre, south, east = scores[[3, 1, 4, 7, 5]]
     tip = np.stack([0.5 * (after - before) / np.maximum(centre - np.minimum(before, after), 1e-9)
                     for before, after in ((west, east), (north, south))])
-    height, c = centre.copy(), np.zeros_like(centre)
+    height = centre.copy()
     a, b = (np.maximum(centre - 0.5 * (before + after), 1e-6) for before, after in ((west, east), (north, south)))
+    if lean is None:
+        across, most, c = _X[:, None], _MOST, np.zeros_like(centre)
+    else:
+        across, most, c = _X[:, None] + np.repeat(lean.T, 3, 0), _MOST_LEANING, -a * (lean[:, 2] - lean[:, 0]) / 2
     jacobian = np.ones((6, *scores.shape))
     for _ in range(rounds):
-        x, y = _X[:, None] - tip[0], _Y[:, None] - tip[1]
+        x, y = across - tip[0], _Y[:, None] - tip[1]
         u, v = a * x + c * y, b * y
         r = np.sqrt(u * u + v * v + 0.5 * _ROUND * (a**2 + b**2))
         u_r, v_r = u / r, v / r
@@ -99,5 +123,5 @@ def _cone(scores: Floats, rounds: int = 5) -> Floats:
         step = np.linalg.solve(normal, np.einsum("jin,in->nj", jacobian, residual)[:, :, None])[:, :, 0].T
         height, c = height + step[0], c + step[3]
         a, b = np.maximum(a + step[1], 1e-6), np.maximum(b + step[2], 1e-6)
-        tip = np.clip(tip + np.clip(step[4:], -0.3, 0.3), -_MOST, _MOST)
+        tip = np.clip(tip + np.clip(step[4:], -0.3, 0.3), [[-most], [-_MOST]], [[most], [_MOST]])
     return np.asarray(tip.T)
