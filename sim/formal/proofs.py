@@ -211,7 +211,9 @@ REASONS: Mapping[str, str] = {
     "slog_counters": DATA,
     "slog_dense": WIRES,
     "slog_dense_back": DATA,
+    "slog_dense_board": WIRES,
     "slog_dense_check": DATA,
+    "slog_dense_control": "generated registers and pulses of a clock; cocotb writes and reads every one of them",
     "slog_dense_engine": WIRES,
     "slog_dense_feed": "its promises, each word in time and none lost, are assertions of its streams, which depend on the "
                        "store's latency and on every offset of the planes; cocotb compares every clock, at all offsets",
