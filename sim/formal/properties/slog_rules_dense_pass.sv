@@ -70,6 +70,7 @@ module slog_rules_dense_pass
       // For the induction.
       RulesDensePassSince : assert (!rows_q || due_q || row_o || since_q >= pitch_i ||
                                     12'(since_q) + 12'(wait_q) + 12'd2 == 12'(pitch_i));
+      RulesDensePassAfter : assert (rows_q || 12'(since_q) + 12'd1 >= 12'(pitch_i));
       RulesDensePassDue : assert (!rows_q || !due_q || row_o || 12'(since_q) + 12'd1 >= 12'(pitch_i));
       CoverSecondRow : cover (row_o && since_q == pitch_i);
       CoverTail : cover (tail_o);
