@@ -92,6 +92,10 @@ dense-bars: setup ## Dense stereo and flow against the truth, clean and murky, h
 navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars (SEED=1)
 	@PYTHONPATH=sw $(PY) -m tests.localising $(if $(SEED),--seed $(SEED))
 
+.PHONY: dense
+dense: setup ## Verilated board dense against the golden one at 640x480, every field, and the time of a pass, held to bars (SEED=1)
+	@PYTHONPATH=sw $(PY) -m tests.dense_board $(if $(SEED),--seed $(SEED))
+
 .PHONY: compare
 compare: setup ## Signum beside Lucas-Kanade, DIS, ORB, SIFT, OpenCV's Stitcher and stereo on the same frames: out/compare/index.html (SEED=1; 10 minutes)
 	@PYTHONPATH=sw $(PY) -m tests.compare $(if $(SEED),--seed $(SEED))
@@ -115,7 +119,7 @@ docs: $(VENV)/.installed ## The documentation as a site: out/site/index.html; ev
 	@NO_MKDOCS_2_WARNING=1 $(PY) -m mkdocs build --strict --quiet
 
 .PHONY: synth
-synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
+synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny|dense|tiny_dense; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
 .PHONY: formal
@@ -135,7 +139,7 @@ bench: setup ## Speeds of board, simulators and OpenCV on this machine: out/benc
 	@$(PY) -m sim.speed
 
 .PHONY: regs
-regs: $(VENV)/.installed ## Regenerate all files made from slog_csr.rdl, golden/params.py, golden/log.py and rtl/files.f
+regs: $(VENV)/.installed ## Regenerate all files made from slog_*csr.rdl, golden/params.py, golden/log.py and rtl/files.f
 	@$(PY) -m golden.params
 	@$(PY) -m golden.coefs
 	@$(PY) -m sim.registers

@@ -61,14 +61,14 @@ def _check_results(h: Host, jobs: list[Job], planes: dict[int, Plane]) -> None:
     """Results and streamed surfaces against the frame level."""
     for result, job in zip(h.results, jobs, strict=True):
         assert result == run(job, planes, TINY, h.size), f"{result} of {job}"
-    streamed = deque(h.surface)
+    streamed = deque(h.streamed)
     for job, result in zip(jobs, h.results, strict=True):
         if job.surface and result.status is Status.OK:
             want = surface_beats(surface(planes[job.tpl_slot], planes[job.search_slot], job))
             assert [streamed.popleft() for _ in want] == want, f"surface of job {job.tag}"
     assert not streamed
     h.results.clear()
-    h.surface.clear()
+    h.streamed.clear()
 
 
 def _jobs_during_captures(h: Host, planes: dict[int, Plane], jobs: list[Job], frames: int) -> Script:
@@ -321,7 +321,7 @@ async def _scenario(dut, script, video: str = "none", sink: str = "none", bus: s
 @cocotb.parametrize(shape=SHAPES)
 async def everyday_work(dut, shape: str) -> None:
     host = await _scenario(dut, _everyday, shape, shape, shape)
-    assert shape == "none" or host.stalls["surface"] > 10
+    assert shape == "none" or host.stalls["stream"] > 10
 
 
 @cocotb.test()

@@ -8,6 +8,7 @@ correlator/slog_fetch_pkg.sv
 dense/slog_dense_pkg.sv
 gen/{config}/slog_cfg_pkg.sv
 gen/slog_csr_pkg.sv
+gen/slog_dense_csr_pkg.sv
 cells/slog_ram.sv
 cells/slog_mult.sv
 cells/slog_fifo.sv
@@ -64,6 +65,8 @@ control/slog_axil.sv
 control/slog_counters.sv
 gen/slog_csr.sv
 control/slog_control.sv
+gen/slog_dense_csr.sv
+control/slog_dense_control.sv
 cells/slog_ram_clear.sv
 dense/slog_dense_lanes.sv
 dense/slog_dense_memory.sv
@@ -71,4 +74,12 @@ dense/slog_dense_winner.sv
 dense/slog_dense_back.sv
 dense/slog_dense_group.sv
 dense/slog_dense_engine.sv
-slog_board.sv
+dense/slog_dense_plan.sv
+dense/slog_dense_room.sv
+dense/slog_dense_stream.sv
+dense/slog_dense_feed.sv
+dense/slog_dense_check.sv
+dense/slog_dense_out.sv
+dense/slog_dense_pass.sv
+dense/slog_dense.sv
+{top}.sv

@@ -91,6 +91,11 @@ module slog_board
   assign s_axil_rresp   = axil_rsp.rresp;
   assign s_axil_rvalid  = axil_rsp.rvalid;
 
+  // No register block but the board's own.
+  logic unused_ext_req, unused_ext_is_wr;
+  logic [AxilAddrW-1:0] unused_ext_addr;
+  logic [31:0] unused_ext_data, unused_ext_biten;
+
   logic rst;
   slog_reset u_reset (.clk_i, .rst_i, .rst_o(rst));
 
@@ -138,6 +143,13 @@ module slog_board
       .peek_addr_o     (peek_addr),
       .peek_done_i     (peek_done),
       .peek_data_i     (peek_data),
+      .ext_req_o       (unused_ext_req),
+      .ext_is_wr_o     (unused_ext_is_wr),
+      .ext_addr_o      (unused_ext_addr),
+      .ext_data_o      (unused_ext_data),
+      .ext_biten_o     (unused_ext_biten),
+      .ext_rd_data_i   ('0),
+      .ext_irq_i       (1'b0),
       .irq_o
   );
 

@@ -14,6 +14,8 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+from golden.params import CONFIGS
+
 ROOT = Path(__file__).resolve().parent.parent
 _PACKAGED = Path(__file__).resolve().parent / "rtl"
 INSTALLED = _PACKAGED.is_dir()
@@ -24,6 +26,9 @@ BUILD = (Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sig
 SYNTHESIS = ROOT / "out" / "synth"
 """Netlists and reports of `sim.synth`."""
 TOP = "slog_board"
+"""The board with the array."""
+DENSE_TOP = "slog_dense_board"
+"""The board with the dense engine."""
 WAIVERS = RTL / "slog_waive.vlt"
 TESTBENCHES = ROOT / "sim" / "testbench" / "tb"
 CELL_MODELS = ROOT / "sim" / "synth" / "cells.sv"
@@ -78,19 +83,29 @@ def wave_format() -> str:
     return "fst" if Path("/usr/include/lz4.h").exists() and Path("/usr/include/zlib.h").exists() else "vcd"
 
 
+def top_of(config: str) -> str:
+    """The module that is the whole board of a configuration.
+
+    Raises:
+        KeyError: for an unknown configuration.
+    """
+    return DENSE_TOP if CONFIGS[config].dense_offsets else TOP
+
+
 def headers() -> list[Path]:
     """SystemVerilog headers, which are found by include path."""
     return sorted(RTL.rglob("*.svh"))
 
 
 def listed_sources() -> list[str]:
-    """The lines of `rtl/files.f` but comments: paths within `rtl/`, `{config}` for the configuration's name."""
+    """The lines of `rtl/files.f` but comments: paths within `rtl/`, with `{config}` for the configuration's name and
+    `{top}` for its top module."""
     return [line for line in (RTL / "files.f").read_text().splitlines() if line and not line.startswith("//")]
 
 
 def rtl_sources(config: str) -> list[Path]:
     """Every RTL source of the board for configuration `config`, packages first (from `rtl/files.f`)."""
-    return [RTL / name.replace("{config}", config) for name in listed_sources()]
+    return [RTL / name.format(config=config, top=top_of(config)) for name in listed_sources()]
 
 
 def ecp5_sources(config: str) -> list[Path]:

@@ -67,7 +67,8 @@ def traffic(rng: random.Random, config: str, master: AxilMaster, enough: Callabl
             "dropped_i": rng.getrandbits(2) & -(rng.random() < 0.1), "captured_i": int(rng.random() < 0.05),
             "job_ready_i": int(rng.random() < 0.8),
             "score_i": rng.getrandbits(1), "peek_ready_i": ready, "peek_done_i": int(done),
-            "peek_data_i": rng.getrandbits(c.group_bits), "s_axil_awprot": 0, "s_axil_arprot": 0}
+            "peek_data_i": rng.getrandbits(c.group_bits), "s_axil_awprot": 0, "s_axil_arprot": 0,
+            "ext_rd_data_i": rng.getrandbits(32) & -(rng.random() < 0.5), "ext_irq_i": int(rng.random() < 0.1)}
         if ready and out["peek_valid_o"]:
             peek = [rng.randrange(6)]
         if t % 701 == 700:
@@ -111,7 +112,8 @@ async def every_clock(dut, shape: str, overlap: int) -> None:
     def enough() -> bool:
         return master.finished > 120 and all(seen.values())
 
-    await check_cycles(dut, ControlModel(config, fields()), traffic(rng, config.name, master, enough), count)
+    model = ControlModel(config, fields(), extension=True)
+    await check_cycles(dut, model, traffic(rng, config.name, master, enough), count)
     assert master.finished > 120
     assert all(seen.values()), [name for name, times in seen.items() if not times]
 

@@ -19,7 +19,7 @@ from golden.log import Image, kernels
 from golden.params import Config
 from golden.traffic.stalls import ready_pattern
 from golden.traffic.video import Beat, good
-from sim.registers.map import address, fields, word
+from sim.registers.map import address, field, word
 
 Script = Generator[None, None, None]
 """A scenario or a part of one: yields once per clock."""
@@ -30,6 +30,10 @@ LIMIT = 30_000
 class Host:
     """Registers, cameras and surface sink of a board.
 
+    Attributes:
+        STREAM: what the ports of the board's output stream begin with.
+        streamed: what streamed out: data, first, last.
+
     Args:
         config: the build.
         rng: of stalls and of the values on idle wires.
@@ -37,6 +41,8 @@ class Host:
         sink: stall shape of the surface sink.
         bus: stall shape of the register responses.
     """
+
+    STREAM = "surf"
 
     def __init__(self, config: Config, rng: random.Random, video: str = "none", sink: str = "none",
                  bus: str = "none") -> None:
@@ -46,13 +52,13 @@ class Host:
         self.take: Iterator[int] = ready_pattern(sink, rng)
         self.beats: list[deque[Beat]] = [deque() for _ in range(config.cameras)]
         self.held = [False] * config.cameras
-        self.surface: list[tuple[int, int, int]] = []
+        self.streamed: list[tuple[int, int, int]] = []
         self.results: list[Result] = []
         self.size = (config.max_width, config.max_height)
         self.rst = 0
         self.deaf = False  # the outputs of the board are ignored, during and after a reset
         self.irq = 0
-        self.stalls = dict.fromkeys(("video", "surface"), 0)
+        self.stalls = dict.fromkeys(("video", "stream"), 0)
         self._inputs: Inputs = {}
 
     def play(self, script: Script) -> Stimulus:
@@ -71,7 +77,7 @@ class Host:
             last |= beat[2] << c
             valid |= int(self.held[c]) << c
         self._inputs = {**self.master.drive(), "rst_i": self.rst, "vid_tdata_i": data, "vid_tvalid_i": valid,
-                        "vid_tuser_i": user, "vid_tlast_i": last, "surf_tready_i": next(self.take)}
+                        "vid_tuser_i": user, "vid_tlast_i": last, f"{self.STREAM}_tready_i": next(self.take)}
         return self._inputs
 
     def _observe(self, out: Outputs) -> None:
@@ -88,11 +94,12 @@ class Host:
                     self.held[c] = False
                 else:
                     self.stalls["video"] += 1
-        if out["surf_tvalid_o"]:
-            if i["surf_tready_i"]:
-                self.surface.append((out["surf_tdata_o"] or 0, out["surf_tuser_o"] or 0, out["surf_tlast_o"] or 0))
+        if out[f"{self.STREAM}_tvalid_o"]:
+            if i[f"{self.STREAM}_tready_i"]:
+                data, user, last = (out[f"{self.STREAM}_t{name}_o"] or 0 for name in ("data", "user", "last"))
+                self.streamed.append((data, user, last))
             else:
-                self.stalls["surface"] += 1
+                self.stalls["stream"] += 1
         self.irq = out["irq_o"] or 0
 
     def until(self, done: Callable[[], bool], what: str) -> Script:
@@ -118,7 +125,7 @@ class Host:
         for beats in self.beats:
             beats.clear()
         self.held = [False] * self.config.cameras
-        self.surface.clear()
+        self.streamed.clear()
         self.size = (self.config.max_width, self.config.max_height)
         # The reset ends every bus access; no request is asserted during it.
         self.master.reset()
@@ -128,12 +135,13 @@ class Host:
         self.deaf = False
 
     # Registers
-    def read(self, field: str) -> Generator[None, None, int]:
+    def read(self, path: str) -> Generator[None, None, int]:
         """A field's value."""
-        access = self.master.read(fields()[field].address)
-        yield from self.until(lambda: access.done, f"read of {field}")
-        assert access.data is not None, f"{field} is undefined"
-        return fields()[field].unpack(access.data)
+        place = field(path)
+        access = self.master.read(place.address)
+        yield from self.until(lambda: access.done, f"read of {path}")
+        assert access.data is not None, f"{path} is undefined"
+        return place.unpack(access.data)
 
     def write(self, register: str, **values: int) -> Script:
         """Write a register; fields that are not given become 0."""

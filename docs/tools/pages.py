@@ -11,17 +11,16 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-import subprocess
 import sys
 from collections.abc import Iterator
 from enum import EnumType
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCE = ROOT / "rtl" / "control" / "slog_csr.rdl"
-PAGE = ROOT / "out" / "regs"
+PAGES = ROOT / "out" / "regs"
 SUFFIXES = {"_px": "pixels", "_m": "metres", "_deg": "degrees", "_s": "seconds"}
 UNITS = {
     "frame": "name", "frame_a": "name", "frame_b": "name", "name": "name", "feature": "number", "kind": "word",
@@ -134,12 +133,12 @@ def _default(option: Any) -> str:
     return f"`{getattr(value, 'value', value)}`"
 
 
-def registers_table() -> str:
-    """Markdown of every register: address, name, fields with their bits."""
-    from sim.registers.map import fields
+def registers_table(dense: bool = False) -> str:
+    """Markdown of every register of all boards, or of the dense engine: address, name, fields with their bits."""
+    from sim.registers.map import dense_fields, fields
 
     found: dict[str, tuple[int, list[str]]] = {}
-    for path, place in fields().items():
+    for path, place in (dense_fields() if dense else fields()).items():
         register, _, name = path.rpartition(".")
         bits = f"{place.lsb + place.width - 1}:{place.lsb}" if place.width > 1 else f"{place.lsb}"
         found.setdefault(register, (place.address, []))[1].append(f"`{name}` [{bits}]")
@@ -207,18 +206,20 @@ def on_files(files: Any, config: Any) -> Any:
 
     for path, text in (("reference/tables.md", tables_page()), ("reference/commands.md", commands_page())):
         files.append(File.generated(config, path, content=text))
-    subprocess.run([sys.executable, "-m", "peakrdl", "html", str(SOURCE), "-o", str(PAGE), "--title",
-                    "Signum registers"], check=True)
-    page = PAGE / "index.html"
-    page.write_text(re.sub(r"<script async src=\"https://[^>]*></script>", "", page.read_text()))  # no foreign scripts
-    for path in sorted(p for p in PAGE.rglob("*") if p.is_file()):
-        files.append(File.generated(config, f"reference/regs/{path.relative_to(PAGE)}", abs_src_path=str(path)))
+    from sim.registers.generate import pages
+
+    pages(PAGES)
+    for page in PAGES.glob("*/index.html"):  # no foreign scripts
+        page.write_text(re.sub(r"<script async src=\"https://[^>]*></script>", "", page.read_text()))
+    for path in sorted(p for p in PAGES.rglob("*") if p.is_file()):
+        files.append(File.generated(config, f"reference/regs/{path.relative_to(PAGES)}", abs_src_path=str(path)))
     return files
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Put the table of registers and the list of names into their pages."""
-    for mark, make in (("{{ registers }}", registers_table), ("{{ api }}", api_page)):
+    for mark, make in (("{{ registers }}", registers_table), ("{{ dense registers }}", partial(registers_table, True)),
+                       ("{{ api }}", api_page)):
         if mark in markdown:
             markdown = markdown.replace(mark, make())
     return markdown

@@ -11,7 +11,8 @@ module slog_control
   import slog_pkg::*;
   import slog_cfg_pkg::*;
 #(
-    localparam int unsigned AddrW = $clog2(StoreWords)
+    parameter  bit          Extension = 1'b0,
+    localparam int unsigned AddrW     = $clog2(StoreWords)
 ) (
     input  logic                           clk_i,
     input  logic                           rst_i,
@@ -61,6 +62,14 @@ module slog_control
     output logic [AddrW-1:0]               peek_addr_o,
     input  logic                           peek_done_i,
     input  logic [GroupBits-1:0]           peek_data_i,
+    // extension
+    output logic                           ext_req_o,        // pulse
+    output logic                           ext_is_wr_o,
+    output logic [AxilAddrW-1:0]           ext_addr_o,
+    output logic [31:0]                    ext_data_o,
+    output logic [31:0]                    ext_biten_o,
+    input  logic [31:0]                    ext_rd_data_i,
+    input  logic                           ext_irq_i,
     output logic                           irq_o
 );
   // Cameras that the register map has counters for.
@@ -136,7 +145,7 @@ module slog_control
       .req_biten_o(req_biten),
       .wr_ack_i   (wr_ack),
       .rd_ack_i   (rd_ack),
-      .rd_data_i  (rd_data)
+      .rd_data_i  (rd_data | (ext_rd_data_i & {32{Extension}}))
   );
   // Every address is answered: bresp and rresp are always OKAY. The protection bits are ignored.
   logic unused_prot;
@@ -162,6 +171,12 @@ module slog_control
       .hwif_in,
       .hwif_out
   );
+
+  assign ext_req_o   = req;
+  assign ext_is_wr_o = req_is_wr;
+  assign ext_addr_o  = req_addr;
+  assign ext_data_o  = req_data;
+  assign ext_biten_o = req_biten;
 
   slog_filter_bank #(
       .Cameras(Cameras),
@@ -338,7 +353,8 @@ module slog_control
       irq_q <= (seen_q && hwif_out.irq_enable.result.value) ||
                (hwif_out.irq_status.capture.value && hwif_out.irq_enable.capture.value) ||
                (hwif_out.irq_status.drop.value && hwif_out.irq_enable.drop.value) ||
-               (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value);
+               (hwif_out.irq_status.overflow.value && hwif_out.irq_enable.overflow.value) ||
+               (Extension && ext_irq_i);
   end
   assign irq_o = irq_q;
 

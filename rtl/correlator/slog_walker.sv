@@ -197,7 +197,7 @@ module slog_walker
   int unsigned clocks_since_step;
   always_ff @(posedge clk_i) begin
     if (rst_i || step_o.valid) clocks_since_step <= 0;
-    else clocks_since_step <= clocks_since_step + 1;
+    else if (clocks_since_step < DrainClocks) clocks_since_step <= clocks_since_step + 1;
   end
 `endif
   `SLOG_ASSERT(SlogWalkerDrained, !drained_o || (!busy_o && !step_o.valid && clocks_since_step >= DrainClocks))

@@ -140,7 +140,9 @@ module slog_peak_best
   end
 
   `SLOG_ASSERT(SlogPeakBestRow, !load || (row_valid_i && refused == refused_next_q))
-  `SLOG_ASSERT(SlogPeakBestCopies, open_q == !held_q && stay_q == !hand_q && stale_q == !fresh_q)
+  `SLOG_ASSERT(SlogPeakBestCopies, open_q == !held_q && stay_q == !hand_q && stale_q == !fresh_q &&
+                                     (!(held_q || hand_q) ||
+                                      (more_q == !row_q.last && edge_q == (row_q.first || row_q.last))))
   `SLOG_ASSERT_STABLE(SlogPeakBestRowStable, row_valid_i, row_ready_o, row_i)
   `SLOG_PAST(past_room, {order_room_i, room_i})
   `SLOG_ASSERT(SlogPeakBestOrder, !order_valid_o || (past_room[1] && (past_room[0] || !order_o.last)))

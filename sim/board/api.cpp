@@ -3,7 +3,6 @@
 // of the registers are those of `driver_api.cpp`, on the driver that `slog_driver` returns. Calls that wait keep the job queue
 // fed and collect results. Negative return values are errors: see `Error`.
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,7 +13,7 @@
 
 namespace {
 
-enum Error { kTimeout = -1, kSurfaceBroken = -2 };
+enum Error { kTimeout = -1, kStreamBroken = -2 };
 
 struct Board {
   explicit Board(uint32_t power_up) : clock(power_up) {}
@@ -88,29 +87,48 @@ int slog_finish_playing(Board* b, uint64_t timeout) {
   return 0;
 }
 
-// Holds back the surface's receiver in some of the clocks.
-void slog_pause_surface(Board* b, uint32_t pause_permille, uint64_t seed) {
-  b->clock.surface.pause.set(pause_permille, seed);
+// Holds back the receiver of surfaces or maps in some of the clocks.
+void slog_pause_stream(Board* b, uint32_t pause_permille, uint64_t seed) {
+  b->clock.stream.pause.set(pause_permille, seed);
 }
 
+// Words of surfaces or maps that were received and not taken.
+int64_t slog_stream_waiting(const Board* b) { return static_cast<int64_t>(b->clock.stream.words.size()); }
+
+#if SLOG_DENSE
+// Waits for the next whole map, until no word comes for the timeout; returns its number of words. More than `room` are an error.
+int64_t slog_map(Board* b, uint64_t* words, int64_t room, uint64_t timeout) {
+  Clock& clock = b->clock;
+  Stream& stream = clock.stream;
+  uint64_t moved = clock.clocks();
+  for (size_t before = stream.words.size(); stream.ends.empty();) {
+    for (int k = 0; k < Clock::kIdle && stream.ends.empty(); ++k) clock.tick();
+    if (stream.words.size() != before) moved = clock.clocks();
+    before = stream.words.size();
+    if (clock.clocks() - moved > timeout) return kTimeout;
+  }
+  const auto count = static_cast<int64_t>(stream.ends.front());
+  if (stream.broken || count > room) return kStreamBroken;
+  stream.take(words, static_cast<size_t>(count));
+  return count;
+}
+#else
 // Waits for the next `count` scores of the surface stream.
 int slog_surface(Board* b, uint16_t* scores, int64_t count, uint64_t timeout) {
   Clock& clock = b->clock;
-  std::vector<uint16_t>& received = clock.surface.scores;
+  Stream& stream = clock.stream;
   uint64_t moved = clock.clocks();
-  size_t before = received.size();
-  while (static_cast<int64_t>(received.size()) < count) {
-    if (b->driver.pump() || received.size() != before) moved = clock.clocks();
-    before = received.size();
+  size_t before = stream.words.size();
+  while (static_cast<int64_t>(stream.words.size()) < count) {
+    if (b->driver.pump() || stream.words.size() != before) moved = clock.clocks();
+    before = stream.words.size();
     if (clock.clocks() - moved > timeout) return kTimeout;
   }
-  if (clock.surface.broken) return kSurfaceBroken;
-  std::copy(received.begin(), received.begin() + count, scores);
-  received.erase(received.begin(), received.begin() + count);
+  if (stream.broken) return kStreamBroken;
+  stream.take(scores, static_cast<size_t>(count));
   return 0;
 }
-
-int64_t slog_surface_waiting(const Board* b) { return static_cast<int64_t>(b->clock.surface.scores.size()); }
+#endif
 
 // Plays register accesses on the five channels, each in its own time (see accesses.hpp); returns how many rules of AXI4-Lite
 // the board broke. The driver takes over again afterwards.

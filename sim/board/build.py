@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the Verilated board as a shared library: `python -m sim.board [--config full|tiny] [--trace] [--checked]`.
+"""Builds the Verilated board as a shared library: `python -m sim.board [--config NAME] [--trace] [--checked]`.
 
 The library lies under `build/verilated/<config>[-trace][-checked]/` with digests of everything that it and its model
 were made from; a current build returns at once. A checked build has the RTL's assertions and random power-up states.
@@ -20,7 +20,18 @@ from pathlib import Path
 
 from golden.params import CONFIGS
 from sim.building import UNROLL, VERILATOR_ARGS, digest, locked, tail, trace_args
-from sim.toolchain import BUILD, ROOT, TOP, WAIVERS, headers, rtl_sources, verilator_env, verilator_root, wave_format
+from sim.toolchain import (
+    BUILD,
+    DENSE_TOP,
+    ROOT,
+    WAIVERS,
+    headers,
+    rtl_sources,
+    top_of,
+    verilator_env,
+    verilator_root,
+    wave_format,
+)
 
 HERE = Path(__file__).parent
 REGISTERS = HERE.parent / "registers" / "gen" / "slog_csr.h"
@@ -30,9 +41,11 @@ FAST_FLAGS = ["--x-assign", "fast", "--x-initial", "fast", "+define+SYNTHESIS", 
 CHECKED_FLAGS = ["--x-assign", "unique", "--x-initial", "unique", "--assert"]
 """With assertions live, and registers and unknown values from a random seed."""
 NATIVE_CXX_FLAGS = ["-march=native", "-fPIC", "-std=gnu++20"]
-FAST = {"full": "-O3", "tiny": "-O1"}
-"""For the code that runs every clock, by configuration; `tiny`'s runs are short, so compiling it is what takes time.
-The rest is compiled quickly."""
+FAST = {"full": "-O3", "dense": "-O3", "tiny": "-O1", "tiny_dense": "-O1"}
+"""For the code that runs every clock, by configuration; runs of the tiny ones are short, so compiling is what takes
+time. The rest is compiled quickly."""
+MODEL = "Vslog_board"
+"""Class and files of the model, whichever the top module."""
 
 TOOLS = "g++", "make", "perl"
 """Programs of the system that a build needs, by the names of their Debian packages, too."""
@@ -83,16 +96,16 @@ def _run(command: Sequence[str | Path], folder: Path) -> None:
 
 def _verilate(config: str, folder: Path, flags: Sequence[str]) -> str:
     """Build the model of the RTL in `folder`, if it is not current; returns the digest of what it is made from."""
-    sources, model = rtl_sources(config), folder / f"libV{TOP}.a"
+    sources, model = rtl_sources(config), folder / f"lib{MODEL}.a"
     made_from = _digest([*sources, *headers(), WAIVERS], flags)
     if _current(model, made_from):
         return made_from
     _check_tools()
     for old in {*folder.glob("V*"), *folder.glob("*.o"), *folder.glob("*.a")}:
         old.unlink()
-    _run([verilator_root() / "bin" / "verilator", "--cc", *flags, "--top-module", TOP, "--prefix", f"V{TOP}", "--Mdir",
-          folder, "-CFLAGS", " ".join(NATIVE_CXX_FLAGS), *sources], folder)
-    _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"V{TOP}.mk", f"libV{TOP}", f"OPT_FAST={FAST[config]}",
+    _run([verilator_root() / "bin" / "verilator", "--cc", *flags, "--top-module", top_of(config), "--prefix",
+          MODEL, "--Mdir", folder, "-CFLAGS", " ".join(NATIVE_CXX_FLAGS), *sources], folder)
+    _run(["make", f"-j{os.cpu_count() or 1}", "-f", f"{MODEL}.mk", f"lib{MODEL}", f"OPT_FAST={FAST[config]}",
           "OPT_SLOW=-O0", f"OPT_GLOBAL={FAST[config]}"], folder)
     _stamp(model, made_from)
     return made_from
@@ -133,8 +146,9 @@ def build(config: str = "full", trace: bool = False, checked: bool = False) -> P
             include = verilator_root() / "include"
             _link(library, [HERE / "api.cpp", HERE / "driver_api.cpp"],
                   [f"-DVM_TRACE={int(trace)}", f"-DVM_TRACE_FST={int(fst)}", f"-DSLOG_CHECKED={int(checked)}",
+                   f"-DSLOG_DENSE={int(top_of(config) == DENSE_TOP)}",
                    f"-I{folder}", f"-I{include}",
-                   f"-I{include / 'vltstd'}", f"libV{TOP}.a", "libverilated.a", "-pthread",
+                   f"-I{include / 'vltstd'}", f"lib{MODEL}.a", "libverilated.a", "-pthread",
                    *(["-lz", "-llz4"] if fst else [])], made_from)
     return library
 

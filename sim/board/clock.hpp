@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Verilated model under its clock: plays the cameras' video, receives the surface stream, and is a bus to the registers.
+// The Verilated model under its clock: plays the cameras' video, receives the stream of surfaces or, with SLOG_DENSE, of the
+// dense engine's maps, and is a bus to the registers.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <vector>
 
@@ -48,11 +50,39 @@ struct Camera {
   bool busy() const { return at < beats.size(); }
 };
 
-struct Surface {
-  std::vector<uint16_t> scores;
+#if SLOG_DENSE
+using Word = uint64_t;  // a pixel of a map
+#else
+using Word = uint16_t;  // a score of a surface
+#endif
+
+// What the board streams out: surfaces or maps, one after another.
+struct Stream {
+  std::vector<Word> words;
+  std::deque<size_t> ends;  // of the surfaces and maps that are there whole: the number of words up to their last
   Coin pause;
-  bool first = true;    // the next score is the first of its surface
-  bool broken = false;  // a mark of a surface's first score was missing or wrong
+  bool first = true;    // the next word is the first of a surface or map
+  bool broken = false;  // a mark of a first word was missing or wrong
+
+  void receive(Word word, bool user, bool last) {
+    if (user != first) broken = true;
+    first = last;
+    words.push_back(word);
+    if (last) ends.push_back(words.size());
+  }
+  // Hands over the first `count` words.
+  void take(Word* into, size_t count) {
+    std::copy(words.begin(), words.begin() + static_cast<ptrdiff_t>(count), into);
+    words.erase(words.begin(), words.begin() + static_cast<ptrdiff_t>(count));
+    while (!ends.empty() && ends.front() <= count) ends.pop_front();
+    for (size_t& end : ends) end -= count;
+  }
+  void forget() {
+    words.clear();
+    ends.clear();
+    first = true;
+    broken = false;
+  }
 };
 
 class Clock final : public Bus {
@@ -63,7 +93,7 @@ class Clock final : public Bus {
   static constexpr int kBusLimit = 1 << 20;  // clocks a register access may take
 
   Camera cameras[kCameras];
-  Surface surface;
+  Stream stream;
 
   // With a power-up seed other than 0, registers of a checked build start with random values; other builds ignore it.
   explicit Clock([[maybe_unused]] uint32_t power_up) {
@@ -104,7 +134,7 @@ class Clock final : public Bus {
 #endif
   }
 
-  // Resets the board; beats that were queued and scores that were received are forgotten.
+  // Resets the board; beats that were queued and words that were received are forgotten.
   void reset() {
     for (Camera& camera : cameras) {
       camera.beats.clear();
@@ -114,7 +144,7 @@ class Clock final : public Bus {
     restart(4);
   }
 
-  // Resets the board for some clocks while the cameras go on sending; scores that were received are forgotten.
+  // Resets the board for some clocks while the cameras go on sending; words that were received are forgotten.
   void restart(int clocks) {
     Vslog_board& t = *top_;
     t.s_axil_awvalid = t.s_axil_wvalid = t.s_axil_arvalid = t.s_axil_bready = t.s_axil_rready = 0;
@@ -122,9 +152,8 @@ class Clock final : public Bus {
     for (int k = 0; k < clocks; ++k) tick();
     t.rst_i = 0;
     for (int k = 0; k < kResetEnd; ++k) tick();
-    surface.scores.clear();
-    surface.first = true;
-    surface.broken = stuck_ = false;
+    stream.forget();
+    stuck_ = false;
   }
 
   bool playing() const {
@@ -181,7 +210,12 @@ class Clock final : public Bus {
   uint32_t settle() {
     Vslog_board& t = *top_;
     const uint32_t valid = drive_cameras();
-    t.surf_tready_i = !surface.pause.toss();
+    ready_ = !stream.pause.toss();
+#if SLOG_DENSE
+    t.map_tready_i = ready_;
+#else
+    t.surf_tready_i = ready_;
+#endif
     t.clk_i = 0;
 #if SLOG_CHECKED
     Verilated::threadContextp(&context_);
@@ -202,11 +236,11 @@ class Clock final : public Bus {
       }
     }
     // Outputs are arbitrary during a reset.
-    if (!t.rst_i && t.surf_tvalid_o && t.surf_tready_i) {
-      if (t.surf_tuser_o != surface.first) surface.broken = true;
-      surface.first = t.surf_tlast_o;
-      surface.scores.push_back(t.surf_tdata_o);
-    }
+#if SLOG_DENSE
+    if (!t.rst_i && t.map_tvalid_o && ready_) stream.receive(t.map_tdata_o, t.map_tuser_o, t.map_tlast_o);
+#else
+    if (!t.rst_i && t.surf_tvalid_o && ready_) stream.receive(t.surf_tdata_o, t.surf_tuser_o, t.surf_tlast_o);
+#endif
     t.clk_i = 1;
 #if SLOG_CHECKED
     context_.timeInc(kHalf);
@@ -254,5 +288,6 @@ class Clock final : public Bus {
   std::unique_ptr<Trace> trace_;
 #endif
   uint64_t clocks_ = 0;
+  bool ready_ = true;   // the stream's receiver is ready in this clock
   bool stuck_ = false;  // a register access was never answered
 };

@@ -13,7 +13,7 @@ from golden.log import Image
 from golden.params import CONFIGS, Config
 from sim.board.build import build
 from sim.board.driver import SLACK, DeviceError, DeviceTimeout, RegisterDriver
-from sim.board.library import BOARD, SURFACE_BROKEN, load
+from sim.board.library import BOARD, MAP, STREAM_BROKEN, SURFACE, load
 from sim.board.structs import Accesses
 
 __all__ = ["Accesses", "Beats", "Device", "DeviceError", "DeviceTimeout", "frame_beats"]
@@ -48,7 +48,8 @@ class Device(RegisterDriver):
         config = CONFIGS[config] if isinstance(config, str) else config
         if CONFIGS.get(config.name) != config:
             raise ValueError(f"{config.name!r} is not a configuration the RTL is generated for")
-        library = load(build(config.name, trace is not None, checked), BOARD)
+        streams = MAP if config.dense_offsets else SURFACE
+        library = load(build(config.name, trace is not None, checked), {**BOARD, **streams})
         self._board: int | None = library.slog_new(power_up)
         super().__init__(config, library, library.slog_driver(self._board))
         if trace is not None:
@@ -154,9 +155,9 @@ class Device(RegisterDriver):
                     self.disarm(camera)
             raise
 
-    # -------------------------------------------------------------------------------------------------- surface stream
+    # --------------------------------------------------------------------------------------------------------- streams
     def surface(self, count: int) -> npt.NDArray[np.int32]:
-        """The next `count` scores of the surface stream.
+        """The next `count` scores of the surface stream, on a board with the array.
 
         Raises:
             DeviceError: if they do not arrive, or first and last marks are wrong.
@@ -164,18 +165,35 @@ class Device(RegisterDriver):
         scores = np.zeros(count, np.uint16)
         code = self._lib.slog_surface(self._board, scores.ctypes.data, count, 10 * SLACK)
         self._check("surface", code)
-        if code == SURFACE_BROKEN:
+        if code == STREAM_BROKEN:
             raise DeviceError(f"surface: wrong first or last marks at clock {self.clocks}")
         return scores.astype(np.int32)
 
-    @property
-    def surface_waiting(self) -> int:
-        """Scores that have streamed out and were not taken by `surface`."""
-        return int(self._lib.slog_surface_waiting(self._board))
+    def map_words(self, room: int, timeout: int = SLACK) -> npt.NDArray[np.uint64]:
+        """The words of the next map, on a board with a dense engine: all up to its last mark.
 
-    def pause_surface(self, pause: float, seed: int = 1) -> None:
-        """Make the surface's receiver hold the stream back in this share of the clocks."""
-        self._lib.slog_pause_surface(self._board, round(pause * 1000), seed)
+        Args:
+            room: most words that it may have.
+            timeout: clocks without a word after which it counts as lost.
+
+        Raises:
+            DeviceError: if it does not arrive whole, has more words, or its first mark is wrong.
+        """
+        words = np.zeros(room, np.uint64)
+        count = int(self._lib.slog_map(self._board, words.ctypes.data, room, timeout))
+        self._check("map", count)
+        if count == STREAM_BROKEN:
+            raise DeviceError(f"map: wrong first or last marks at clock {self.clocks}")
+        return words[:count]
+
+    @property
+    def stream_waiting(self) -> int:
+        """Scores or words of maps that have streamed out and were not taken."""
+        return int(self._lib.slog_stream_waiting(self._board))
+
+    def pause_stream(self, pause: float, seed: int = 1) -> None:
+        """Make the receiver of surfaces or maps hold the stream back in this share of the clocks."""
+        self._lib.slog_pause_stream(self._board, round(pause * 1000), seed)
 
     def _bus_error(self, what: str) -> DeviceError:
         return DeviceTimeout(f"{what}: the register bus does not answer (clock {self.clocks})")

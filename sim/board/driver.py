@@ -17,7 +17,7 @@ from golden.log import Image
 from golden.params import Config
 from sim.board.library import TIMEOUT
 from sim.board.structs import RESULT_DTYPE, pack_jobs, unpack_results
-from sim.registers.map import address, fields, word
+from sim.registers.map import address, field, fields, word
 
 FRAME_CLOCKS = 8
 """Clocks allowed per pixel of a frame before a capture counts as lost."""
@@ -75,9 +75,10 @@ class RegisterDriver:
         self._lib.slog_write(self._driver, where, value)
         self._check("register write")
 
-    def read(self, field: str) -> int:
+    def read(self, path: str) -> int:
         """A register field by path, such as `slot_status.valid`."""
-        return fields()[field].unpack(self.read_word(fields()[field].address))
+        place = field(path)
+        return place.unpack(self.read_word(place.address))
 
     def write(self, register: str, **values: int) -> None:
         """Write a register; fields not named become 0."""
@@ -85,12 +86,12 @@ class RegisterDriver:
 
     def counters(self) -> dict[str, int]:
         """The board's counters, each modulo 2**32, by register name."""
-        where = {field.address: name for name, field in fields().items() if name.startswith("counter.")}
+        where = {place.address: name for name, place in fields().items() if name.startswith("counter.")}
         values = np.zeros(len(where), np.uint32)
         count = self._lib.slog_counters(self._driver, values.ctypes.data)
         self._check("reading the counters")
         assert count == len(where)
-        names = [where[place].removeprefix("counter.").removesuffix(".value") for place in sorted(where)]
+        names = [where[at].removeprefix("counter.").removesuffix(".value") for at in sorted(where)]
         return dict(zip(names, values.tolist(), strict=True))
 
     # --------------------------------------------------------------------------------------------------------- frames
@@ -240,6 +241,9 @@ class RegisterDriver:
                 "build_image.max_height": c.max_height, "build_window.group_bits": c.group_bits,
                 "build_window.words_per_row": c.words_per_row, "build_board.slots": c.slots,
                 "build_board.cameras": c.cameras, "build_filter.radius": c.radius}
+        if c.dense_offsets:
+            want |= {"dense.build.offsets": c.dense_offsets, "dense.build.max_window": c.dense_window,
+                     "dense.build.sizes": c.dense_sizes, "dense.build.lanes": c.dense_lanes}
         wrong = [name for name, value in want.items() if self.read(name) != value]
         if wrong:
             raise DeviceError(f"the board is not {c.name!r}: {', '.join(wrong)} differ")

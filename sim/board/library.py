@@ -10,7 +10,7 @@ READ = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.POINTER(ctypes.c_u
 WRITE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_uint32, ctypes.c_uint32)
 
 TIMEOUT = -1
-SURFACE_BROKEN = -2
+STREAM_BROKEN = -2
 """Return values of functions that failed; 0 is success."""
 
 _P, _I, _U, _N, _T = ctypes.c_void_p, ctypes.c_int, ctypes.c_uint32, ctypes.c_int64, ctypes.c_uint64
@@ -29,11 +29,14 @@ BOARD: Signatures = {
     "new": (_P, [_U]), "free": (None, [_P]), "driver": (_P, [_P]), "clocks": (_T, [_P]), "irq": (_I, [_P]),
     "trace": (_I, [_P, ctypes.c_char_p]), "tick": (None, [_P, _T]), "reset": (None, [_P]), "restart": (None, [_P, _I]),
     "play": (None, [_P, _I, _P, _T, _U, _T]), "play_frame": (None, [_P, _I, _P, _I, _I, _U, _T]),
-    "finish_playing": (_I, [_P, _T]), "pause_surface": (None, [_P, _U, _T]), "surface": (_I, [_P, _P, _N, _T]),
-    "surface_waiting": (_N, [_P]), "asserted": (_I, [_P]),
-    "accesses": (_N, [_P, _P, _N, _I]),
+    "finish_playing": (_I, [_P, _T]), "pause_stream": (None, [_P, _U, _T]), "stream_waiting": (_N, [_P]),
+    "asserted": (_I, [_P]), "accesses": (_N, [_P, _P, _N, _I]),
 }
 """Functions of `api.cpp`: the first argument is what `new` returns."""
+SURFACE: Signatures = {"surface": (_I, [_P, _P, _N, _T])}
+"""A further one of boards with the array."""
+MAP: Signatures = {"map": (_N, [_P, _P, _N, _T])}
+"""A further one of boards with a dense engine."""
 CALLBACKS: Signatures = {"callbacks_new": (_P, [READ, WRITE]), "callbacks_free": (None, [_P]), "driver": (_P, [_P])}
 """Functions of `callbacks.cpp`: the first argument is what `callbacks_new` returns."""
 

@@ -51,6 +51,8 @@ DEFECTS: dict[str, Defect] = {
                             "3'(x_q[k].leaving_ago) - 3'(x_q[k].incoming)"),
     "dense_lanes_4": Defect("dense/slog_dense_lanes.sv", "(left_ok[k] & right_ok[k]) != '0",
                             "left_ok[k] != '0 && right_ok[k] != '0"),
+    "dense_room": Defect("dense/slog_dense_room.sv", "free_q >= FreeW'(words_i);", "free_q != '0;"),
+    "dense_pass": Defect("dense/slog_dense_pass.sv", "(ready && room_i && has_q)", "(ready && has_q)"),
     "axil": Defect("control/slog_axil.sv", "can_write = aw_q2 && w_q2", "can_write = aw_q2"),
     "running_max": Defect("peak/slog_running_max.sv", "32'({max_q[1], index_q[0]}), 32'({max_q[0], index_q[1]})",
                           "32'({max_q[1], index_q[1]}), 32'({max_q[0], index_q[0]})"),

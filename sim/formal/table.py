@@ -6,8 +6,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from golden.params import CONFIGS
 from sim.formal.proofs import PROOFS, REASONS, Proof
-from sim.toolchain import RTL
+from sim.toolchain import RTL, top_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "verification.md"
 BEGIN, END = "<!-- proofs: begin -->", "<!-- proofs: end -->"
@@ -16,7 +17,8 @@ BEGIN, END = "<!-- proofs: begin -->", "<!-- proofs: end -->"
 def listed_modules() -> list[str]:
     """Modules in `rtl/files.f`, in its order, without packages and generated files."""
     paths = [Path(line) for line in (RTL / "files.f").read_text().splitlines() if line and not line.startswith("//")]
-    return [path.stem for path in paths if path.parts[0] != "gen" and not path.stem.endswith("_pkg")]
+    modules = [path.stem for path in paths if path.parts[0] != "gen" and not path.stem.endswith("_pkg")]
+    return [module for module in modules if module != "{top}"] + list(dict.fromkeys(map(top_of, CONFIGS)))
 
 
 def proof_row(proof: Proof) -> str:

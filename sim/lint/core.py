@@ -9,7 +9,7 @@ import sys
 from sim.toolchain import BUILD, ROOT, verilator_env
 
 NAME = "signum:vision:board"
-TARGETS = "lint", "lint_tiny", "sim"
+TARGETS = "lint", "lint_tiny", "lint_dense", "lint_tiny_dense", "sim"
 
 
 def run(target: str) -> subprocess.CompletedProcess[str]:

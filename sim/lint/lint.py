@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lints the RTL: Verilator on the whole board in both configurations and on every module by itself, Verible on style.
+"""Lints the RTL: Verilator on the whole board in every configuration and on every module by itself, Verible on style.
 
-The whole boards are read by the lists `rtl/full.f` and `rtl/tiny.f`, from another folder. `python -m sim.lint` prints
-the complaints of each tool, and the lists that are stale, and fails if there are any.
+The whole boards are read by their lists, `rtl/<config>.f`, from another folder. `python -m sim.lint` prints the
+complaints of each tool, and the lists that are stale, and fails if there are any.
 """
 
 from __future__ import annotations
@@ -16,7 +16,18 @@ from golden.params import CONFIGS
 from sim.building import UNROLL, VERILATOR_ARGS
 from sim.lint.lists import SIGNS, stale
 from sim.lint.spdx import missing
-from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, ecp5_sources, rtl_sources, sources_of, verilator_env
+from sim.toolchain import (
+    DENSE_TOP,
+    ROOT,
+    RTL,
+    TESTBENCHES,
+    TOP,
+    ecp5_sources,
+    rtl_sources,
+    sources_of,
+    top_of,
+    verilator_env,
+)
 
 RULES = Path(__file__).with_name("verible.rules")
 WAIVED = Path(__file__).with_name("verible.waive")
@@ -37,7 +48,7 @@ def verilator(top: str, sources: list[Path]) -> str:
 
 def listed(config: str) -> str:
     """Complaints of Verilator about the board as `rtl/<config>.f` lists it."""
-    return _complaints(["verilator", "--lint-only", "-Wall", "--timing", *UNROLL, "--top-module", TOP, "-F",
+    return _complaints(["verilator", "--lint-only", "-Wall", "--timing", *UNROLL, "--top-module", top_of(config), "-F",
                         str(RTL / f"{config}.f")], Path(tempfile.gettempdir()))
 
 
@@ -54,7 +65,7 @@ def main() -> int:
     found += [listed(config) for config in CONFIGS]
     found.append(verilator(SIGNS, sources_of(SIGNS)))
     for path in rtl_sources("full"):
-        if not path.stem.endswith("_pkg") and path.stem != TOP:
+        if not path.stem.endswith("_pkg") and path.stem not in (TOP, DENSE_TOP):
             found.append(verilator(path.stem, rtl_sources("full")))
     for top in ("slog_ram", "slog_mult"):
         found.append(verilator(top, ecp5_sources("full")))

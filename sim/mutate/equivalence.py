@@ -21,7 +21,7 @@ from sim.mutate.calls import calls_of
 from sim.mutate.run import FOLDER
 from sim.mutate.sites import Mutant
 from sim.mutate.source import only
-from sim.toolchain import RTL, sources_of
+from sim.toolchain import DENSE_TOP, RTL, sources_of
 
 CLOCKS = 6
 """Length of the induction."""
@@ -62,7 +62,8 @@ def proved(mutant: Mutant, shape: Mapping[str, int]) -> tuple[bool, str]:
     work.mkdir(parents=True, exist_ok=True)
     changed = work / path.name
     changed.write_text(only(path.read_bytes(), mutant))
-    files = sources_of(path.stem, "tiny", mutant.module.startswith("ecp5/"))
+    config = "tiny_dense" if path.stem == DENSE_TOP else "tiny"
+    files = sources_of(path.stem, config, mutant.module.startswith("ecp5/"))
     script = [*_read(path.stem, files, shape, "gold", True),
               *_read(path.stem, [changed if file == path else file for file in files], shape, "gate", False),
               "design -reset", "design -copy-from gold -as gold gold", "design -copy-from gate -as gate gate",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generates everything that contains register addresses from `rtl/control/slog_csr.rdl`.
+"""Generates everything that contains register addresses from the maps `rtl/control/slog_*csr.rdl`.
 
-`python -m sim.registers` writes the RTL (`rtl/gen`), the C header and the PyRAL access layer (`sim/registers/gen`),
-and the HTML page (`out/regs`, not committed); `--check` writes nothing and fails when a committed file is stale.
+`python -m sim.registers` writes the RTL (`rtl/gen`), the C headers and the PyRAL access layers (`sim/registers/gen`),
+and the HTML pages (`out/regs`, not committed); `--check` writes nothing and fails when a committed file is stale.
 """
 
 from __future__ import annotations
@@ -18,17 +18,14 @@ from sim.lint.spdx import without
 from sim.registers.exporter import export
 from sim.toolchain import ROOT, RTL
 
-SOURCE = RTL / "control" / "slog_csr.rdl"
+MAPS = "slog_csr", "slog_dense_csr"
+"""The board's registers, and those that boards with a dense engine have besides; no address is in both."""
+SOURCES = {name: RTL / "control" / f"{name}.rdl" for name in MAPS}
 GENERATED = Path(__file__).with_name("gen")
-PAGE = ROOT / "out" / "regs"
-COMMITTED = {
-    "slog_csr.sv": RTL / "gen",
-    "slog_csr_pkg.sv": RTL / "gen",
-    "slog_csr.h": GENERATED,
-    "slog_csr.py": GENERATED,
-    "slog_csr_stubs.pyi": GENERATED,
-    "slog_csr.db": GENERATED,
-}
+PAGES = ROOT / "out" / "regs"
+COMMITTED = {f"{name}{ending}": folder for name in MAPS for ending, folder in (
+    (".sv", RTL / "gen"), ("_pkg.sv", RTL / "gen"), (".h", GENERATED), (".py", GENERATED), ("_stubs.pyi", GENERATED),
+    (".db", GENERATED))}
 """Committed outputs and their folders."""
 
 
@@ -38,9 +35,16 @@ def _peakrdl(*args: str | Path) -> None:
 
 def generate(folder: Path) -> None:
     """Write every committed output into `folder`."""
-    export(SOURCE, folder)
-    _peakrdl("c-header", SOURCE, "-o", folder / "slog_csr.h")
-    _peakrdl("pyral", SOURCE, "-o", folder)
+    for name, source in SOURCES.items():
+        export(source, folder)
+        _peakrdl("c-header", source, "-o", folder / f"{name}.h")
+        _peakrdl("pyral", source, "-o", folder)
+
+
+def pages(folder: Path) -> None:
+    """Write an HTML page of each map, by its name, into `folder`."""
+    for name, source in SOURCES.items():
+        _peakrdl("html", source, "-o", folder / name, "--title", "Signum registers")
 
 
 def _content(path: Path) -> object:
@@ -70,6 +74,6 @@ def main(argv: list[str]) -> int:
         for path in stale:
             path.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(made / path.name, path)
-    shutil.rmtree(PAGE, ignore_errors=True)
-    _peakrdl("html", SOURCE, "-o", PAGE)
+    shutil.rmtree(PAGES, ignore_errors=True)
+    pages(PAGES)
     return 0

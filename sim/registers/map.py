@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The register map as plain data, from the generated PyRAL layer: no address is written by hand."""
+"""The register maps as plain data, from the generated PyRAL layers: no address is written by hand."""
 
 from __future__ import annotations
 
@@ -53,8 +53,28 @@ def _walk(node: Any, path: str) -> Iterator[tuple[str, Field]]:
 
 @cache
 def fields() -> dict[str, Field]:
-    """Every field by dotted path, array elements as `result.neighbour[0].even`."""
+    """Every field of the registers of all boards, by dotted path; array elements as `result.neighbour[0].even`."""
     return dict(_walk(import_module("sim.registers.gen.slog_csr").get_ral(), ""))
+
+
+@cache
+def dense_fields() -> dict[str, Field]:
+    """The same of the registers that boards with a dense engine have besides: their paths begin with `dense.`."""
+    return dict(_walk(import_module("sim.registers.gen.slog_dense_csr").get_ral(), ""))
+
+
+@cache
+def _all_fields() -> dict[str, Field]:
+    return {**fields(), **dense_fields()}
+
+
+def field(path: str) -> Field:
+    """A field of either map.
+
+    Raises:
+        KeyError: if there is none of this path.
+    """
+    return _all_fields()[path]
 
 
 def word(register: str, **values: int) -> int:
@@ -63,7 +83,7 @@ def word(register: str, **values: int) -> int:
     Raises:
         KeyError: for an unknown field.
     """
-    return sum(fields()[f"{register}.{name}"].pack(value) for name, value in values.items())
+    return sum(field(f"{register}.{name}").pack(value) for name, value in values.items())
 
 
 def address(register: str) -> int:
@@ -72,7 +92,7 @@ def address(register: str) -> int:
     Raises:
         KeyError: for an unknown register.
     """
-    for name, field in fields().items():
+    for name, place in _all_fields().items():
         if name.rpartition(".")[0] == register:
-            return field.address
+            return place.address
     raise KeyError(register)

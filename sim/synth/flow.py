@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesis for the Lattice ECP5: Yosys (slang front end), then place and route by nextpnr with several seeds.
 
-`python -m sim.synth [--config full|tiny]` writes `out/synth/report.json` (`out/synth/tiny/report.json` for `tiny`):
+`python -m sim.synth [--config full|tiny|dense|tiny_dense]` writes `out/synth/report.json` (for others than `full`,
+`out/synth/<config>/report.json`):
     fmax_mhz    median over the seeds of the routed clock, but no more than the block RAM allows
     routed_mhz  routed clock of each seed
     lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
@@ -27,7 +28,7 @@ from sim.synth.floorplan import constrain, keep
 from sim.synth.nextpnr import critical_path, place, route
 from sim.synth.paths import load, ranking
 from sim.synth.yosys import AVAILABLE, write_netlist
-from sim.toolchain import SYNTHESIS, TOP
+from sim.toolchain import SYNTHESIS, top_of
 
 FLOORPLANS = Path(__file__).with_name("floorplans")
 DEVICE = "LFE5U-85F-6"
@@ -36,7 +37,7 @@ EBR_LIMIT_MHZ = 212.0
 
 
 def _floorplan(top: str, config: str, folder: Path) -> None:
-    if top == TOP:
+    if top == top_of(config):
         print("floorplan: block RAMs and multipliers", flush=True)
         constrain(folder / "netlist.json", FLOORPLANS / f"{config}.json")
 
@@ -49,7 +50,8 @@ def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence
     routed, paths = {}, {}
     print(f"nextpnr: seeds {', '.join(map(str, seeds))}", flush=True)
     with ThreadPoolExecutor(os.cpu_count()) as workers:
-        for seed, report in zip(seeds, workers.map(lambda seed: route(folder, seed, top == TOP), seeds), strict=True):
+        reports = workers.map(lambda seed: route(folder, seed, top == top_of(config)), seeds)
+        for seed, report in zip(seeds, reports, strict=True):
             routed[seed] = min(clock["achieved"] for clock in report["fmax"].values())
             paths[seed] = critical_path(report)
             print(f"  seed {seed}: {routed[seed]:.1f} MHz", flush=True)
@@ -71,7 +73,7 @@ def main() -> int:
     """Command line; returns the exit status: 1 if the design does not fit the device."""
     parser = argparse.ArgumentParser(description="Synthesis for the ECP5")
     parser.add_argument("--config", choices=list(CONFIGS), default="full")
-    parser.add_argument("--top", default=TOP)
+    parser.add_argument("--top", help="one module instead of the whole board")
     parser.add_argument("-G", dest="parameters", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     stop = parser.add_mutually_exclusive_group()
@@ -79,10 +81,12 @@ def main() -> int:
     stop.add_argument("--placed", type=float, metavar="NS", help="place, print paths estimated to be longer, and stop")
     stop.add_argument("--floorplan", type=int, metavar="STARTS", help="keep the best of so many floorplans, and stop")
     args = parser.parse_args()
-    if args.floorplan is not None and args.top != TOP:
+    board = top_of(args.config)
+    args.top = args.top or board
+    if args.floorplan is not None and args.top != board:
         parser.error("--floorplan is for the whole board: leave --top out")
     folder = SYNTHESIS
-    if args.top != TOP:
+    if args.top != board:
         folder = SYNTHESIS / args.top
     elif args.config != "full":
         folder = SYNTHESIS / args.config
@@ -96,7 +100,7 @@ def main() -> int:
         if args.placed is not None:
             _floorplan(args.top, args.config, folder)
             print(f"nextpnr: placing, seed {args.seeds[0]}", flush=True)
-            placed = place(folder, args.seeds[0], args.top == TOP)
+            placed = place(folder, args.seeds[0], args.top == board)
         over = args.paths if placed is None else args.placed
         print("\n".join(ranking(load(folder / "netlist.json", placed), over)))
         return 0

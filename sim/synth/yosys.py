@@ -17,10 +17,10 @@ from sim.toolchain import RTL, ecp5_sources
 AVAILABLE = {"lut4": 83640, "ff": 83640, "ebr": 208, "dsp": 156}
 PRIMITIVES = ("DP16KD", "MULT18X18D", "DCCA")
 BLOCKS = ("slog_control", "slog_frontend", "slog_capture", "slog_store", "slog_grid", "slog_fetch", "slog_sequencer",
-          "slog_operands", "slog_array", "slog_peak")
+          "slog_operands", "slog_array", "slog_peak", "slog_dense", "slog_dense_control")
 SEPARATE = ("slog_store_slice", "slog_ring_slice", "slog_capture_slice", "slog_csr", "slog_axil", "slog_video_in",
         "slog_walker", "slog_peak_intake", "slog_peak_scan", "slog_line_bank", "slog_taps_window", "slog_taps_slice",
-        "slog_fir_kernel", "slog_packer_slice")
+        "slog_fir_kernel", "slog_packer_slice", "slog_dense_csr")
 """Modules that are mapped separately, like blocks: slices, whose registers are intended copies of one another and would
 be merged; and modules with deep decision logic, which the mapper optimises for speed only if no logic mapped with them
 is slower."""

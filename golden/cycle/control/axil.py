@@ -16,6 +16,11 @@ class Request:
     data: int = 0
     strobes: int = 0
 
+    @property
+    def enable(self) -> int:
+        """The bits that a write changes."""
+        return sum(0xFF << 8 * byte for byte in range(4) if self.strobes >> byte & 1)
+
 
 class AxilModel:
     """AXI4-Lite to requests.

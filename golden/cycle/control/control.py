@@ -32,17 +32,20 @@ class ControlModel:
     Args:
         config: the build.
         fields: the register map, as in `CsrModel`.
+        extension: a further register block answers, too.
     """
 
     INPUTS = ("rst_i", *CsrModel.INPUTS, "active_i", "accepted_i", "dropped_i", "slot_valid_i", "armed_i", "writing_i",
               "refused_i", "captured_i", "job_ready_i", "job_level_i", "job_busy_i", "result_valid_i", "result_i",
-              "result_level_i", "work_i", "score_i", "peek_ready_i", "peek_done_i", "peek_data_i")
+              "result_level_i", "work_i", "score_i", "peek_ready_i", "peek_done_i", "peek_data_i", "ext_rd_data_i",
+              "ext_irq_i")
     OUTPUTS = (*CsrModel.OUTPUTS, "hold_o", "abort_o", "width_o", "height_o", "g_o", "g2_o", "capture_valid_o",
                "capture_cancel_o", "capture_camera_o", "capture_slot_o", "slots_clear_o", "job_valid_o", "job_o",
-               "grid_x_o", "grid_y_o", "step_x_o", "step_y_o", "result_ready_o", "peek_valid_o", "peek_addr_o", "irq_o")
+               "grid_x_o", "grid_y_o", "step_x_o", "step_y_o", "result_ready_o", "peek_valid_o", "peek_addr_o",
+               "ext_req_o", "ext_is_wr_o", "ext_addr_o", "ext_data_o", "ext_biten_o", "irq_o")
 
-    def __init__(self, config: Config, fields: Mapping[str, FieldPlace]) -> None:
-        self.config = config
+    def __init__(self, config: Config, fields: Mapping[str, FieldPlace], extension: bool = False) -> None:
+        self.config, self.extension = config, extension
         self.csr = CsrModel(fields, STORED, EVENTS, "peek_data.value")
         self.bank = FilterBankModel(config)
         self.peek = PeekModel(config.group_bits, config.store_words)
@@ -78,8 +81,21 @@ class ControlModel:
             "grid_x_o": v["job.grid.across"], "grid_y_o": v["job.grid.down"], "step_x_o": v["job.step.x"],
             "step_y_o": v["job.step.y"], "result_ready_o": self.pops[1],
             "peek_valid_o": int(self.peek.valid), "peek_addr_o": self.peek.address if self.peek.valid else None,
-            "irq_o": self.irq,
+            **self._extended(), "irq_o": self.irq,
         }
+
+    def _extended(self) -> dict[str, int | None]:
+        """The request to a further register block: direction and address for three clocks after it, data and enables
+        in the last two of them."""
+        csr = self.csr
+        request = csr.passed or csr.parted or csr.found or csr.decoded
+        out: dict[str, int | None] = dict.fromkeys(("ext_is_wr_o", "ext_addr_o", "ext_data_o", "ext_biten_o"))
+        out["ext_req_o"] = int(csr.passed is not None)
+        if request is not None:
+            out |= {"ext_is_wr_o": int(request.is_write), "ext_addr_o": request.address}
+            if request.is_write and request in (csr.found, csr.decoded):
+                out |= {"ext_data_o": request.data, "ext_biten_o": request.enable}
+        return out
 
     def status(self, i: Mapping[str, int], result: int | None) -> dict[str, int | None]:
         """Fields driven by hardware, by dotted path, as the host would read them in this clock; None if undefined."""
@@ -120,6 +136,7 @@ class ControlModel:
         """Take the clock edge; `result` and `peek_data` are `result_i` and `peek_data_i`, None if undefined."""
         v = self.csr.value
         overflow = int(v["job.submit.go"] and not i["job_ready_i"])
+        others = i["ext_rd_data_i"] if self.extension else 0
         events, shown, wait, peeked = self.events, self.shown, self.peek_wait, self.csr.taken
         lost = self.happened[OVERFLOW]
         self.events = dict(zip(EVENTS, (i["captured_i"], int(i["dropped_i"] != 0), lost), strict=True))
@@ -132,7 +149,7 @@ class ControlModel:
         self.seen = i["result_valid_i"]
         self.refused = result is not None and RESULT.unpack(result)["status"] != 0
         if i["rst_i"]:
-            self.csr.edge(i, shown, events, wait)
+            self.csr.edge(i, shown, events, wait, others)
             self.bank.reset()
             self.peek.reset()
             self.counts, self.irq = [0] * len(self.counts), 0
@@ -143,10 +160,10 @@ class ControlModel:
         happened: list[int] = [1, i["work_i"], i["score_i"], taken and not refused, taken and refused, overflow,
                     i["accepted_i"] & 1, i["accepted_i"] >> 1, i["dropped_i"] & 1, i["dropped_i"] >> 1]
         irq = (seen and v["irq_enable.result"]) or any(
-            v[name] and v[name.replace("status", "enable")] for name in EVENTS)
+            v[name] and v[name.replace("status", "enable")] for name in EVENTS) or (self.extension and i["ext_irq_i"])
         active = i["active_i"] | i["writing_i"]
         before = dict(v)
-        self.csr.edge(i, shown, events, wait)
+        self.csr.edge(i, shown, events, wait, others)
         v = before
         self.bank.edge(coef=bool(v["coef.go"]), second=v["coef.second"], index=v["coef.index"], value=v["coef.value"],
                        commit=bool(v["filter.go"]), size=(v["image_size.width"], v["image_size.height"]),

@@ -66,7 +66,7 @@ def _check(device: Device, frames: dict[int, log.Image], planes: dict[int, log.I
     assert np.array_equal(device.surface(want.size), want.flatten()), f"surface {when}"
     for camera, plane in planes.items():
         assert np.array_equal(device.plane(camera), plane), f"plane of camera {camera} {when}"
-    assert device.surface_waiting == 0 and device.outstanding == 0, when
+    assert device.stream_waiting == 0 and device.outstanding == 0, when
 
 
 def main() -> int:

@@ -67,7 +67,7 @@ def hold_to_golden(device: Device, jobs: list[Job], planes: dict[int, Plane]) ->
             if job.surface:
                 want = surface(planes[job.tpl_slot], planes[job.search_slot], job)
                 assert np.array_equal(device.surface(want.size), want.flatten()), job
-    assert device.surface_waiting == 0 and device.outstanding == 0
+    assert device.stream_waiting == 0 and device.outstanding == 0
     return good
 
 
@@ -97,12 +97,12 @@ def test_tiny_jobs(tiny: Device, pause: float) -> None:
     tiny.capture({0: 0, 1: 1}, dict(enumerate(frames)))
     planes = {k: log.sign(f, 1.3, TINY.radius) for k, f in enumerate(frames)}
     before = tiny.counters()
-    tiny.pause_surface(pause)
+    tiny.pause_stream(pause)
     jobs = [any_job(rng, TINY, size, tag, 3, 9) for tag in range(150)]
     tiny.submit(jobs)
     assert tiny.outstanding == len(jobs)
     good = hold_to_golden(tiny, jobs, planes)
-    tiny.pause_surface(0.0)
+    tiny.pause_stream(0.0)
     assert 40 < good < 150
     after = tiny.counters()
     assert after["jobs"] - before["jobs"] == good and after["refused"] - before["refused"] == len(jobs) - good

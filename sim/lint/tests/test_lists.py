@@ -14,7 +14,7 @@ from golden.log import kernels
 from golden.params import CONFIGS
 from sim.lint import core, lists
 from sim.testbench.vectors import VECTORS, vectors
-from sim.toolchain import ROOT, RTL, TOP, rtl_sources, verilator_env
+from sim.toolchain import ROOT, RTL, rtl_sources, top_of, verilator_env
 
 
 def _yaml(path: Path) -> Any:
@@ -31,23 +31,32 @@ def test_no_list_is_stale() -> None:
 def test_verilator_reads_the_list_from_any_folder(config: str, tmp_path: Path) -> None:
     listed = [RTL / line for line in (RTL / f"{config}.f").read_text().splitlines() if line.endswith(".sv")]
     assert listed == rtl_sources(config)
-    done = subprocess.run(["verilator", "--lint-only", "-F", RTL / f"{config}.f", "--top-module", TOP], cwd=tmp_path,
-                          env=verilator_env(), capture_output=True, text=True, check=False)
+    done = subprocess.run(["verilator", "--lint-only", "-F", RTL / f"{config}.f", "--top-module",
+                           top_of(config)], cwd=tmp_path, env=verilator_env(), capture_output=True, text=True,
+                          check=False)
     assert done.returncode == 0 and "Warning" not in done.stderr, done.stderr
 
 
-@pytest.mark.parametrize(("config", "targets"), [("tiny", {"tiny"}), ("full", {"not(tiny)"})])
-def test_bender_has_every_file_in_order(config: str, targets: set[str]) -> None:
+OTHERS = "not(any(dense, tiny, tiny_dense))"
+"""Bender's expression for the board that is taken when no target names one."""
+
+
+@pytest.mark.parametrize("config", CONFIGS)
+def test_bender_has_every_file_in_order(config: str) -> None:
     manifest = _yaml(ROOT / "Bender.yml")
-    files = [ROOT / file for group in manifest["sources"] if group.get("target", "tiny" if config == "tiny" else
-             "not(tiny)") in targets for file in group["files"]]
+    wanted = OTHERS if config == "full" else config
+    assert {group.get("target", wanted) for group in manifest["sources"]} == {OTHERS, *CONFIGS} - {"full"}
+    files = [ROOT / file for group in manifest["sources"] if group.get("target", wanted) == wanted
+             for file in group["files"]]
     assert files == rtl_sources(config) and manifest["package"]["name"] == "signum"
     assert all((ROOT / folder).is_dir() for folder in manifest["export_include_dirs"])
 
 
 def test_core_has_every_file_in_order() -> None:
     described = _yaml(ROOT / "signum.core")
-    for target, config in (("lint", "full"), ("lint_tiny", "tiny")):
+    for config in CONFIGS:
+        target = "lint" if config == "full" else f"lint_{config}"
+        assert described["targets"][target]["toplevel"] == top_of(config)
         files = [ROOT / file for fileset in described["targets"][target]["filesets"]
                  for file in described["filesets"][fileset]["files"] if isinstance(file, str)]
         assert files == rtl_sources(config)

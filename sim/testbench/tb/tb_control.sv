@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// slog_control with the members of its AXI4-Lite structs as ports of their own.
+// slog_control with the members of its AXI4-Lite structs as ports of their own, and room for an extension.
 module tb_control
   import slog_pkg::*;
   import slog_cfg_pkg::*;
@@ -71,6 +71,14 @@ module tb_control
     output logic [AddrW-1:0]               peek_addr_o,
     input  logic                           peek_done_i,
     input  logic [GroupBits-1:0]           peek_data_i,
+    // extension
+    output logic                           ext_req_o,
+    output logic                           ext_is_wr_o,
+    output logic [AxilAddrW-1:0]           ext_addr_o,
+    output logic [31:0]                    ext_data_o,
+    output logic [31:0]                    ext_biten_o,
+    input  logic [31:0]                    ext_rd_data_i,
+    input  logic                           ext_irq_i,
     output logic                           irq_o
 );
   axil_req_t axil_i;
@@ -89,5 +97,9 @@ module tb_control
   assign s_axil_rresp   = axil_o.rresp;
   assign s_axil_rvalid  = axil_o.rvalid;
 
-  slog_control u_dut (.*);
+  slog_control #(
+      .Extension(1'b1)
+  ) u_dut (
+      .*
+  );
 endmodule : tb_control

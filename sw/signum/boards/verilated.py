@@ -14,6 +14,7 @@ from golden.params import FULL, Config
 from signum.boards.board import Board, BoardError, Identification, Surface
 from signum.common.arrays import Image
 from sim.board.build import BuildError
+from sim.board.dense import DenseEngine
 from sim.board.device import Device, DeviceError
 
 
@@ -113,4 +114,7 @@ class VerilatedBoard(Board):
         return result, self._device.surface(job.offsets_x * job.offsets_y).reshape(job.offsets_y, job.offsets_x)
 
     def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
-        raise BoardError("the Verilated board does not run its dense engine yet: use the golden board")
+        try:
+            return DenseEngine(self._device).run(job)
+        except DeviceError as error:
+            raise BoardError(str(error)) from error

@@ -135,8 +135,8 @@ def _work(device: Device, config: Config, o: Operation) -> None:
             device.write("result.pop", go=1)
         else:
             raise Difference("hang", "jobs do not end")
-        if device.surface_waiting:
-            device.surface(device.surface_waiting)
+        if device.stream_waiting:
+            device.surface(device.stream_waiting)
     device.set_filter(*kernels(SIGMA, config.radius), SIZE)
     frame = texture(SIZE, o["seed"])
     device.capture({0: 0, 1: 1}, {0: frame, 1: frame})

@@ -71,6 +71,7 @@ class Match:
         sure: whether it is what it seems.
         due: share of the windows that should agree, by the scores of those that do.
         turn_error, shift_error: standard errors, radians and pixels.
+        likely: not sure, for the only reason that windows score no more than at other places of the reference.
     """
 
     tried: int
@@ -81,6 +82,7 @@ class Match:
     due: float = 1.0
     turn_error: float = 0.0
     shift_error: float = 0.0
+    likely: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,14 +96,15 @@ class Matcher:
     def _least_noise(self) -> float:
         return LEAST_NOISE_PX * min(1.0, max(0.5, self.measurer.size[0] / NOISE_WIDTH))
 
-    def match(self, reference: Reference, windows: Windows, onto: Floats, live: View, level: Level, reach: int
-              ) -> Match:
+    def match(self, reference: Reference, windows: Windows, onto: Floats, live: View, level: Level, reach: int,
+              twins: bool = True) -> Match:
         """Search for windows of a warped reference where `onto` expects them in a live view.
 
         Args:
             onto: homography (3, 3) from the reference's pixels to the live view's.
             level: of the live view.
             reach: half side of the search range, pixels.
+            twins: whether to compare with the reference's twins where windows score no more than at other places of it.
         """
         centres, side = windows.centres.astype(np.float64), windows.side
         ahead = moved(onto @ inverse(windows.onto), centres)
@@ -130,15 +133,17 @@ class Matcher:
                                   rivals.passing(float(np.quantile(scores, 0.25))), share,
                                   3 if result.sloping(self.camera.focal) else 2)
         turn, shift = (e / math.sqrt(share) for e in result.errors(self._least_noise))
+        likely = False
         sure = (chance <= FALSE_ALARMS and agreed >= LEAST_SHARE * len(keep) and turn <= MAX_TURN_ERROR
                 and shift <= MAX_SHIFT_ERROR * self.camera.focal)
         if sure and not rivals.exceeded_by(scores, share, RIVAL_DEVIATIONS):
             chosen = windows.some(np.array(keep)[result.agree])
-            sure = side == reference.sides[-1] and self._beats_twins(reference, chosen, result.similarity, live, level,
-                                                                     scores)
-        due = _above(max(rivals.mean, HOLD_RULES.min_score), scores)
+            likely = sure
+            sure = twins and self._beats_twins(reference, chosen, result.similarity, live, level, scores)
+        due = share_above(max(rivals.mean, HOLD_RULES.min_score), HOLD_RULES.min_score, scores)
         turn, shift = (e / math.sqrt(share) for e in result.errors(LEAST_FIT_PX))
-        return Match(tried, agreed, result.similarity, float(np.median(scores)), sure, due, turn, shift)
+        return Match(tried, agreed, result.similarity, float(np.median(scores)), sure, due, turn, shift,
+                     likely and not sure)
 
     def _beats_twins(self, reference: Reference, windows: Windows, similarity: Similarity, live: View, level: Level,
                      scores: Floats) -> bool:
@@ -177,7 +182,29 @@ class Matcher:
         return np.asarray(((points >= half) & (points <= np.array(self.measurer.size) - half)).all(axis=1))
 
 
-def _above(floor: float, scores: Floats) -> float:
-    """Share of a normal distribution with the mean and deviation of scores (n,) that lies above `floor`."""
-    deviations = (float(scores.mean()) - floor) / max(float(scores.std()), LEAST_SPREAD)
-    return 0.5 * (1 + math.erf(deviations / math.sqrt(2)))
+def share_above(floor: float, least: float, scores: Floats) -> float:
+    """Share of all windows at a right place that score more than `floor`, by those that score enough to be found.
+
+    Scores are taken as normal. Only those above `least` are known, so their mean is larger than that of all: where
+    texture is faint, half of the windows may lie below. The mean of what is known determines that of all (the mean of a
+    truncated normal distribution: Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, 13.10). The
+    deviation is that of what is known, which is less than that of all, so the share is rather too large.
+
+    Args:
+        floor: from which a score counts; `least` or more.
+        least: that is found.
+        scores: (n,) of windows at the place, all above `least`.
+    """
+    deviation = max(float(scores.std()), LEAST_SPREAD)
+    mean = deviation * float(np.interp((float(scores.mean()) - least) / deviation, *_MEANS))
+    return 0.5 * (1 + math.erf((least + mean - floor) / deviation / math.sqrt(2)))
+
+
+def _means() -> tuple[Floats, Floats]:
+    """Means of what lies above 0 of a normal distribution of deviation 1, rising, and of all of it."""
+    mean = np.linspace(-4.0, 6.0, 201)
+    above = np.array([0.5 * math.erfc(-m / math.sqrt(2)) for m in mean])
+    return mean + np.exp(-mean**2 / 2) / math.sqrt(2 * math.pi) / above, mean
+
+
+_MEANS = _means()

@@ -43,6 +43,9 @@ LARGER, LEAST_LARGER = 2, 1.5
 more."""
 TURN_ERROR = 0.001
 """Standard error of the rotation, radians, above which larger windows are searched for after the small ones."""
+EXACT = 0.0025
+"""Largest standard error, radians or a share of the range, of a match that only the comparison of small windows with
+the reference's twins bears out: at a wrong place nearby, one joint off, say, some of the windows still match."""
 QUICK, QUICK_SHARE, QUICK_TURN = 24, 0.9, 0.0005
 """Number of windows that are searched for first; if no less than this share of them agree, and the rotation's standard
 error is below this, radians, the others are left out."""
@@ -220,19 +223,27 @@ class StationMeter:
                  sides: tuple[int, ...], share: float = 0.0) -> Match:
         """Search for windows where `onto` expects them in a live view, and again with what they agree on, where few do;
         for larger ones where the smaller are not sure, fewer of them agree than `share` of those due, or leave the
-        rotation uncertain."""
-        best = Match(0)
+        rotation uncertain. Smaller ones are compared with the reference's twins last: they are less exact there."""
+        best, likely = Match(0), Match(0)
         for side in sides:
-            match = self._matcher.match(reference, reference.turn_to(onto, side), onto, live, level, reach)
+            twins = side == self._sides[-1]
+            match = self._matcher.match(reference, reference.turn_to(onto, side), onto, live, level, reach, twins)
             if not match.sure and match.agreed >= 3:
                 near = self.camera.onto(match.similarity, reference.level, level)
-                again = self._matcher.match(reference, reference.turn_to(near, side), near, live, level, self.reach)
+                turned = reference.turn_to(near, side)
+                again = self._matcher.match(reference, turned, near, live, level, self.reach, twins)
                 match = again if again.sure or again.agreed > match.agreed else match
             match = match if match.agreed >= share * match.due * match.tried else replace(match, sure=False)
+            likely = match if match.likely and not twins else likely
             if not best.sure or (match.sure and match.turn_error < best.turn_error):
                 best = match
             if best.sure and best.turn_error <= TURN_ERROR:
                 break
+        if likely.likely and not best.sure:
+            near = self.camera.onto(likely.similarity, reference.level, level)
+            match = self._matcher.match(reference, reference.turn_to(near, sides[0]), near, live, level, self.reach)
+            exact = max(match.turn_error, match.shift_error / self.focal) <= EXACT
+            best = match if match.sure and exact and match.agreed >= share * match.due * match.tried else best
         return best
 
     def _apart(self, one: Match, other: Match) -> bool:

@@ -12,7 +12,7 @@ import pytest
 from skimage import data
 
 from signum.applications.hold.level_camera import LevelCamera
-from signum.applications.hold.matching import HOLD_RULES
+from signum.applications.hold.matching import HOLD_RULES, share_above
 from signum.applications.hold.meter import StationMeter
 from signum.applications.hold.reading import UPRIGHT, Reading
 from signum.applications.hold.reference import Reference
@@ -119,3 +119,14 @@ def test_a_place_must_beat_each_other_one_in_the_same_windows() -> None:
     assert not beats(uneven, np.array([unlike]), 0.02, 3.0)  # overlapping windows count less
     unseen = np.where(np.arange(12) < 2, uneven + 0.1, np.nan)
     assert beats(uneven, np.array([unlike, unseen]), 1.0, 3.0)
+
+
+@pytest.mark.parametrize(("mean", "deviation"), [(0.57, 0.03), (0.56, 0.04), (0.60, 0.05), (0.70, 0.05)])
+def test_windows_below_what_is_found_are_reckoned_with(mean: float, deviation: float) -> None:
+    """Of faint texture only the better half of the windows is found at the right place: the others are not missed. The
+    share is rather too large than too small, so that a part of the floor that recurs is not taken for the whole."""
+    scores = np.random.default_rng(5).normal(mean, deviation, 4000)
+    found = scores[scores > 0.56]
+    true = len(found) / len(scores)
+    assert true - 0.03 <= share_above(0.56, 0.56, found) <= 0.35 * true + 0.65
+    assert share_above(0.60, 0.56, found) >= (scores > 0.60).mean() - 0.03

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`slog_dense_pass` and `slog_dense_room` against their cycle models on every clock."""
+
+import random
+
+import cocotb
+import pytest
+
+from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.params import params
+from golden.cycle.dense.dense_pass import DensePassModel
+from golden.cycle.dense.room import DenseRoomModel
+from golden.cycle.dense.structs import CANCELLED, DENSE_JOB
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import TINY_DENSE
+from golden.traffic.dense_block import any_job, pack_start
+from golden.traffic.stalls import SHAPES, ready_pattern
+from sim.testbench.runner import simulate
+
+STARTS = 60
+CLOCKS = 4000
+
+
+def _host(rng: random.Random) -> Stimulus:
+    """Starts and cancels at any time; plan, feed, room and sink answer after any time; a reset now and then."""
+    for number in range(STARTS):
+        job = {**any_job(rng, TINY_DENSE, 48), "step_y": rng.choice((1, 1, 2, 3, 5, 255))}
+        room, height, words = ready_pattern(rng.choice(SHAPES), rng), rng.randint(8, 20), rng.randint(1, 48)
+        status, planned, cancel = rng.choice((0, 0, 0, 1, 4)), rng.randint(3, 20), rng.choice((0.0, 0.0, 0.005, 0.05))
+        quiet, reset = 0, rng.randint(1, 300) if number % 16 == 9 else -1
+        out = yield {"start_i": 1, "job_i": pack_start(job), "image_width_i": 48, "image_height_i": height,
+                     "cancel_i": rng.getrandbits(1)}
+        clock = 0
+        while not out["done_o"] and clock != reset:
+            clock += 1
+            quiet = 0 if out["row_o"] or out["reserve_o"] else quiet + 1
+            out = yield {"start_i": int(rng.random() < 0.1), "job_i": rng.getrandbits(DENSE_JOB.bits),
+                         "image_width_i": rng.getrandbits(10), "cancel_i": int(rng.random() < cancel),
+                         "planned_i": int(clock == planned), "status_i": status, "pitch_i": 9 + number % 3,
+                         "row_words_i": words, "feed_busy_i": int(quiet < 20), "room_i": next(room),
+                         "empty_i": int(quiet > 2 and rng.random() < 0.2)}
+        if not out["done_o"]:
+            yield {"rst_i": 1, "job_i": rng.getrandbits(DENSE_JOB.bits)}
+        for _ in range(rng.choice((0, 1, 3))):
+            yield {"job_i": rng.getrandbits(DENSE_JOB.bits), "cancel_i": rng.getrandbits(1)}
+
+
+def _words(rng: random.Random) -> Stimulus:
+    """Rows of any number of words as soon as there is room or later, taken at once, slowly, or not for long."""
+    depth, owed, since, words = params()["Depth"], 0, 0, 0
+    for t in range(CLOCKS):
+        if since == 0:
+            words = rng.choice((0, 1, depth, rng.randint(1, depth)))
+        pace = (0.0, 0.3, 1.0)[t // 100 % 3]
+        taken = int(owed > 0 and rng.random() < pace)
+        reset = int(t % 1500 == 1499)
+        out = yield {"rst_i": reset, "words_i": words, "taken_i": taken, "reserve_i": 0}
+        owed, since = (0, 0) if reset else (owed - taken, since + 1)
+        if since > 2 and out["room_o"] and owed + words <= depth and not reset and rng.random() < 0.5:
+            yield {"words_i": words, "reserve_i": 1}
+            owed, since = owed + words, 0
+
+
+@cocotb.test()
+async def every_clock(dut) -> None:
+    rng = random.Random(cocotb.RANDOM_SEED)
+    seen: dict[str, int] = {}
+
+    def watch(_: Inputs, out: Outputs) -> None:
+        for name in ("room_o", "empty_o", "stall_o", "row_o", "tail_o"):
+            seen[name] = seen.get(name, 0) + (out.get(name) or 0)
+        if out.get("done_o"):
+            seen[f"status {out['status_o']}"] = 1
+
+    if dut._name == "slog_dense_room":
+        await check_cycles(dut, DenseRoomModel(params()["Depth"]), _words(rng), watch)
+        assert CLOCKS // 10 < seen["room_o"] < CLOCKS and seen["empty_o"] > 10
+    else:
+        await check_cycles(dut, DensePassModel(params()["Flush"]), _host(rng), watch)
+        assert min(seen[name] for name in ("stall_o", "row_o", "tail_o")) > 5
+        assert {f"status {n}" for n in (0, 1, 4, CANCELLED)} <= seen.keys()
+
+
+@pytest.mark.parametrize(("part", "parameters"), [("pass", {"Flush": 12}), ("room", {"Depth": 20})])
+def test_pass(part: str, parameters: dict[str, int]) -> None:
+    simulate(f"slog_dense_{part}", __name__, parameters)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`slog_dense_plan` against its cycle model on every clock."""
+
+import random
+
+import cocotb
+
+from cocotb_tests.env.check import check_cycles
+from golden.cycle.dense.plan import DensePlanModel
+from golden.cycle.dense.structs import DENSE_JOB
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.params import DENSE
+from golden.traffic.dense_block import any_job, bad_job, build_of, pack_start
+from sim.testbench.runner import simulate
+
+JOBS = 120
+BUILD = build_of(DENSE, 2048)
+PARAMETERS = {"Width": BUILD.width, "MaxHeight": BUILD.max_height, "WordsPerRow": BUILD.words_per_row,
+              "Slots": BUILD.slots, "Offsets": BUILD.offsets, "Lanes": BUILD.lanes, "MaxWindow": BUILD.max_window,
+              "Sizes": BUILD.sizes}
+
+
+def _starts(rng: random.Random) -> Stimulus:
+    """Jobs of every kind, good and bad, each held until it is done, some longer, some started anew after a reset."""
+    for number in range(JOBS):
+        size = rng.randint(34, 640), rng.choice((16, 34, 480, rng.randint(34, 480)))
+        job = (bad_job if number % 3 == 0 else any_job)(rng, DENSE, size[0])
+        held = {"job_i": pack_start(job), "image_width_i": size[0], "image_height_i": size[1]}
+        valid = rng.choice((7, 7, 255, rng.getrandbits(8)))
+        out = yield {**held, "start_i": 1, "slot_valid_i": valid}
+        cut = rng.randint(1, 20) if number % 10 == 9 else -1
+        while not out["done_o"] and cut:
+            out = yield {**held, "slot_valid_i": rng.getrandbits(8)}
+            cut -= 1
+        for _ in range(rng.choice((0, 1, 5))):
+            yield {**held, "slot_valid_i": rng.getrandbits(8)}
+        if not out["done_o"]:
+            yield {**held, "rst_i": 1}
+        for _ in range(rng.choice((0, 1, 3))):
+            yield {"job_i": rng.getrandbits(DENSE_JOB.bits), "image_width_i": rng.getrandbits(10)}
+
+
+@cocotb.test()
+async def every_clock(dut) -> None:
+    seen: list[int] = []
+
+    def watch(_: Inputs, out: Outputs) -> None:
+        if out["done_o"]:
+            seen.append(out["status_o"])
+
+    await check_cycles(dut, DensePlanModel(BUILD), _starts(random.Random(cocotb.RANDOM_SEED)), watch)
+    assert set(seen) == set(range(5)) and seen.count(0) > JOBS // 3
+
+
+def test_plan() -> None:
+    simulate("slog_dense_plan", __name__, PARAMETERS)

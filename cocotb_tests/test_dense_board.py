@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`slog_dense_board` (`tiny_dense`) against its cycle model on every clock, its maps against the frame level."""
+
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import cocotb
+import numpy as np
+import pytest
+
+from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.dense_host import DenseHost
+from cocotb_tests.env.host import Script
+from golden.correlate import Plane
+from golden.cycle.board import RESET_START
+from golden.cycle.dense.structs import CANCELLED
+from golden.cycle.dense_board import DenseBoardModel
+from golden.dense import DensePass
+from golden.dense_job import DenseJob, DenseResult, DenseStatus, run_dense
+from golden.log import sign
+from golden.params import TINY_DENSE
+from golden.traffic.stalls import SHAPES
+from golden.traffic.video import texture
+from sim.board.dense import map_shape, unpack_map
+from sim.registers.map import address, dense_fields, fields, word
+from sim.testbench.runner import AXI_PORTS, simulate
+
+SIGMA = 1.5
+SIZE = 24, 19
+OTHER = 21, 20
+"""Another size, for changes between frames."""
+FIELDS = tuple(DenseResult.__dataclass_fields__)
+
+Planes = dict[int, Plane]
+
+
+def _random_job(rng: random.Random, slots: int = 2) -> DenseJob:
+    """A good job of any kind."""
+    one = DensePass(rng.choice(TINY_DENSE.dense_windows), rng.randint(1, TINY_DENSE.dense_offsets),
+                    rng.randint(-20, 6), rng.randint(-3, 3))
+    return DenseJob(rng.randrange(slots), rng.randrange(slots), one, (rng.choice((1, 1, 2, 5)), rng.choice((1, 1, 3))),
+                    rng.randint(4, 40), rng.randint(0, 4), rng.random() < 0.5)
+
+
+def _capture_pair(h: DenseHost, planes: Planes) -> Script:
+    """Frames of one scene from both cameras at the same time into slots 0 and 1, the second one moved."""
+    image = texture(h.rng, h.size[0] + 4, h.size[1])
+    for camera in (0, 1):
+        frame = np.ascontiguousarray(image[:, 4 * camera:4 * camera + h.size[0]])
+        planes[camera] = sign(frame, SIGMA, TINY_DENSE.radius)
+        yield from h.arm(camera, camera)
+        h.show(camera, frame)
+    yield from h.captured()
+
+
+def _check(h: DenseHost, job: DenseJob, planes: Planes, size: tuple[int, int], status: int) -> None:
+    """Status and map of a pass against the frame level."""
+    wanted, result = run_dense(job, planes, TINY_DENSE, size)
+    words = h.take_map()
+    assert status == wanted, job
+    if result is None:
+        assert not words
+        return
+    shape = map_shape(size, job.step)
+    assert len(words) == shape[0] * shape[1]
+    found = unpack_map(np.array(words, np.uint64), shape)
+    for name in FIELDS:
+        assert np.array_equal(getattr(found, name), getattr(result, name)), f"{name} of {job}"
+
+
+def _pass(h: DenseHost, job: DenseJob, planes: Planes) -> Script:
+    yield from h.load(job)
+    yield from h.go()
+    _check(h, job, planes, h.size, (yield from h.finished()))
+
+
+def _everyday(h: DenseHost) -> Script:
+    """Captures on both cameras, good and refused passes, captures during a pass, counters and interrupt."""
+    planes: Planes = {}
+    yield from h.set_up(SIGMA, SIZE)
+    yield from _capture_pair(h, planes)
+    yield from h.write("dense.irq_enable", done=1)
+    job = DenseJob(0, 1, DensePass(8, 16, -4), check=True)
+    jobs = [job, _random_job(h.rng)]
+    yield from h.load(job)
+    yield from h.go()
+    yield from h.load(jobs[1])  # during the pass
+    yield from h.arm(1, 2)
+    image = texture(h.rng, *SIZE)
+    h.show(1, image)
+    planes[2] = sign(image, SIGMA, TINY_DENSE.radius)
+    _check(h, job, planes, SIZE, (yield from h.finished()))
+    assert h.irq
+    yield from h.write("dense.irq_status", done=1)
+    yield from h.pause(4)
+    assert not h.irq
+    yield from h.go()
+    _check(h, jobs[1], planes, SIZE, (yield from h.finished()))
+    rows = sum(-(-SIZE[1] // each.step[1]) and (-(-SIZE[1] // each.step[1]) - 1) * each.step[1] + 1 for each in jobs)
+    assert (yield from h.read("dense.rows.value")) == rows
+    yield from h.captured()
+    assert np.array_equal((yield from h.plane(2)), planes[2])
+    assert (yield from h.read("counter.frames[1].value")) == 2
+    busy = yield from h.read("counter.busy.value")
+    assert busy > 2 * SIZE[0] * SIZE[1]
+
+
+def _refused(h: DenseHost) -> Script:
+    """Every reason to refuse a pass; a start during a pass; a job for the array, which there is not."""
+    planes: Planes = {}
+    yield from h.set_up(SIGMA, SIZE)
+    yield from _capture_pair(h, planes)
+    good = DenseJob(0, 1, DensePass(4, 9, -2), (3, 2))
+    wrong: list[tuple[DenseStatus, DenseJob, dict[str, int]]] = [
+        (DenseStatus.BAD_WINDOW, good, {"window": 16}), (DenseStatus.BAD_WINDOW, good, {"window": 6}),
+        (DenseStatus.BAD_OFFSETS, good, {"offsets": 0}), (DenseStatus.BAD_OFFSETS, good, {"offsets": 17}),
+        (DenseStatus.BAD_SLOT, replace(good, left=2), {}), (DenseStatus.BAD_SLOT, replace(good, right=3), {}),
+        (DenseStatus.BAD_STEP, replace(good, step=(0, 1)), {}), (DenseStatus.BAD_STEP, replace(good, step=(1, 0)), {})]
+    for status, job, raw in wrong:
+        yield from h.load(job, **raw)
+        yield from h.go()
+        assert (yield from h.finished()) == status
+        assert not h.streamed
+        assert (yield from h.read("dense.irq_status.done"))
+        yield from h.write("dense.irq_status", done=1)
+    yield from h.load(good)
+    yield from h.go()
+    assert (yield from h.read("dense.run.busy"))
+    yield from h.load(replace(good, left=2))
+    yield from h.go()
+    assert (yield from h.read("dense.irq_status.lost"))
+    _check(h, good, planes, SIZE, (yield from h.finished()))
+    yield from h.write("job.submit", go=1)
+    assert (yield from h.read("counter.overflows.value")) == 1
+    assert not (yield from h.read("job.status.ready"))
+
+
+def _under_way(h: DenseHost, words: int) -> bool:
+    """Whether a map has so many words, and camera 1 has sent a part of its frame."""
+    return len(h.streamed) >= words and len(h.beats[1]) < 400
+
+
+def _resets(h: DenseHost) -> Script:
+    """Reset in mid-frame, in mid-pass and with its map under way; afterwards the board works as new each time."""
+    for moment in range(3):
+        planes: Planes = {}
+        yield from h.set_up(SIGMA, SIZE)
+        yield from _capture_pair(h, planes)
+        job = replace(_random_job(h.rng), step=(1, 1))
+        if moment == 2:
+            yield from _pass(h, job, planes)
+            return
+        yield from h.load(job)
+        yield from h.go()
+        yield from h.arm(1, 2)
+        h.show(1, texture(h.rng, *SIZE))
+        enough = 60 * moment  # words of the map
+        yield from h.until(partial(_under_way, h, enough), "map and frame")
+        assert h.beats[1] and (yield from h.read("dense.run.busy"))
+        yield from h.reset(1 + moment)
+        assert (yield from h.read("slot_status.valid")) == 0
+        assert not (yield from h.read("dense.run.busy"))
+        assert (yield from h.read("dense.limits.most")) == 0x7FF
+        assert (yield from h.read("dense.rows.value")) == 0
+        yield from h.pause(100)
+        assert not h.streamed
+
+
+def _changes(h: DenseHost) -> Script:
+    """The image size changes during a pass, which ends as it began; then frames and passes of the new size."""
+    planes: Planes = {}
+    yield from h.set_up(SIGMA, SIZE)
+    yield from _capture_pair(h, planes)
+    job = DenseJob(0, 1, DensePass(8, 12, -3), (2, 1))
+    yield from h.load(job)
+    yield from h.go()
+    yield from h.set_up(SIGMA, OTHER)
+    assert (yield from h.read("slot_status.valid")) == 0 and (yield from h.read("dense.run.busy"))
+    _check(h, job, planes, SIZE, (yield from h.finished()))
+    yield from _pass(h, job, {})  # no slot holds a frame
+    planes.clear()
+    yield from _capture_pair(h, planes)
+    yield from _pass(h, job, planes)
+    # Cancelled: whole rows, and the end.
+    yield from h.load(replace(job, step=(1, 1)))
+    yield from h.go()
+    yield from h.until(lambda: len(h.streamed) > 2 * OTHER[0], "two rows")
+    yield from h.write("dense.run", cancel=1)
+    assert (yield from h.finished()) == CANCELLED
+    words = h.take_map()
+    assert 2 * OTHER[0] < len(words) < OTHER[0] * OTHER[1] and len(words) % OTHER[0] == 1
+    yield from _pass(h, _random_job(h.rng), planes)
+
+
+def _busy_slots(h: DenseHost) -> Script:
+    """Captures into the slots of a pass, begun at any time: the map is of the old frames or, if the capture came
+    first, the pass is refused; the frame that gave way is taken the next time it is shown."""
+    planes: Planes = {}
+    yield from h.set_up(SIGMA, SIZE)
+    yield from _capture_pair(h, planes)
+    job = DenseJob(0, 1, DensePass(4, 16, -8), (4, 3))
+    yield from h.load(job)
+    seen = dict.fromkeys(DenseStatus, 0)
+    for tag in range(6):
+        image = texture(h.rng, *SIZE)
+        yield from h.arm(0, 0)
+        h.show(0, image)
+        yield from h.pause((0, 20, 300, 450, 480, 700)[tag])
+        yield from h.go()
+        status = DenseStatus((yield from h.finished()))
+        seen[status] += 1
+        _check(h, job, planes if status is DenseStatus.OK else {}, SIZE, status if status is DenseStatus.OK else 3)
+        yield from h.until(lambda: not h.beats[0], "frame")
+        if (yield from h.read("slot_status.armed")):
+            h.show(0, image)
+        yield from h.captured()
+        planes[0] = sign(image, SIGMA, TINY_DENSE.radius)
+        yield from _pass(h, job, planes)
+    assert seen[DenseStatus.OK] and seen[DenseStatus.BAD_SLOT], seen
+
+
+def _accesses(h: DenseHost) -> Script:
+    """Random reads of every register of both maps, and harmless writes, during frames and a pass."""
+    planes: Planes = {}
+    yield from h.set_up(SIGMA, SIZE)
+    yield from _capture_pair(h, planes)
+    job = DenseJob(0, 1, DensePass(8, 16, -4))
+    yield from h.load(job)
+    yield from h.go()
+    places = sorted({f.address for f in (*fields().values(), *dense_fields().values())} | {0xCC, 0xFC})
+    harmless = [address(r) for r in ("dense.planes", "dense.search", "dense.vertical", "dense.limits", "irq_enable",
+                                     "dense.irq_enable", "dense.irq_status", "job.tpl")]
+    h.master.overlap = 6
+    for _ in range(900):
+        if not h.beats[0]:
+            h.show(0, texture(h.rng, *SIZE))
+        if len(h.master.waiting) < 6:
+            if h.rng.random() < 0.6:
+                h.master.read(h.rng.choice(places))
+            else:
+                h.master.write(h.rng.choice(harmless), h.rng.getrandbits(32), h.rng.getrandbits(4))
+        yield
+    yield from h.until(lambda: h.master.idle, "bus")
+    h.master.overlap = 1
+    _check(h, job, planes, SIZE, (yield from h.finished()))
+    h.master.write(address("irq_enable"), word("irq_enable"))
+    yield from h.write("dense.irq_enable")
+    yield from _pass(h, _random_job(h.rng), planes)
+
+
+async def _scenario(dut, script: Callable[[DenseHost], Script], video: str = "none", sink: str = "none",
+                    bus: str = "none") -> DenseHost:
+    host = DenseHost(TINY_DENSE, random.Random(cocotb.RANDOM_SEED), video, sink, bus)
+    model = DenseBoardModel(TINY_DENSE, fields(), dense_fields())
+    clocks = await check_cycles(dut, model, host.play(script(host)), reset_clocks=RESET_START)
+    assert clocks > 2000 and host.master.finished > 60
+    return host
+
+
+@cocotb.test()
+@cocotb.parametrize(shape=SHAPES)
+async def everyday_work(dut, shape: str) -> None:
+    host = await _scenario(dut, _everyday, shape, shape, shape)
+    assert shape == "none" or host.stalls["stream"] > 10
+
+
+@cocotb.test()
+async def passes_refused(dut) -> None:
+    await _scenario(dut, _refused, sink="random")
+
+
+@cocotb.test()
+async def reset_in_the_middle(dut) -> None:
+    await _scenario(dut, _resets, video="random", sink="cyclic")
+
+
+@cocotb.test()
+async def changes_between_frames(dut) -> None:
+    await _scenario(dut, _changes, sink="cyclic")
+
+
+@cocotb.test()
+async def captures_into_busy_slots(dut) -> None:
+    await _scenario(dut, _busy_slots)
+
+
+@cocotb.test()
+async def access_during_work(dut) -> None:
+    await _scenario(dut, _accesses, video="cyclic", sink="long", bus="random")
+
+
+@pytest.mark.slow
+def test_dense_board() -> None:
+    simulate("slog_dense_board", __name__, ports=AXI_PORTS, config="tiny_dense")

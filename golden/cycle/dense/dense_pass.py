@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cycle model of `slog_dense_pass`."""
+
+from __future__ import annotations
+
+from golden.cycle.dense.plan import unpack_job
+from golden.cycle.dense.structs import CANCELLED, OK
+from golden.cycle.model import Inputs, Values
+
+IDLE, MARK, PLAN, FLUSH, ROWS, DRAIN, EMPTY, TAIL, OVER = range(9)
+READING = MARK, PLAN, FLUSH, ROWS, DRAIN
+"""States in which the job's slots are marked."""
+MAPPING = ROWS, DRAIN, EMPTY, TAIL
+"""States in which what comes out of the engine is of a map."""
+
+
+class DensePassModel:
+    """The states of a pass. Words of a row are undefined before the first pass.
+
+    Attributes:
+        out: outputs of this clock, which do not depend on its inputs.
+    """
+
+    INPUTS = ("rst_i", "start_i", "job_i", "cancel_i", "image_width_i", "image_height_i", "planned_i", "status_i",
+              "pitch_i", "row_words_i", "feed_busy_i", "room_i", "empty_i")
+    OUTPUTS = ("slot_busy_o", "job_o", "image_width_o", "image_height_o", "plan_o", "begin_o", "flush_o", "clear_o",
+               "row_o", "words_o", "reserve_o", "tail_o", "busy_o", "done_o", "status_o", "stall_o")
+
+    def __init__(self, flush: int) -> None:
+        self.flush = flush
+        self.job: int | None = None
+        self.size: tuple[int | None, int | None] = None, None
+        self.gap: int | None = None
+        self.words: int | None = None
+        self.has: bool | None = None
+        """Whether the next row has words, one clock late."""
+        self.rows = 0
+        self._stop()
+
+    def _stop(self) -> None:
+        self.state, self.status = IDLE, OK
+        self.cancelled = self.early = False
+        self.planned: int | None = None
+        """Status of the plan that was done in the clock before."""
+        self.left = self.wait = 0
+        """Clocks of the flush, and until a row may start."""
+        self.pulses = dict.fromkeys(("begin_o", "row_o", "reserve_o", "tail_o", "stall_o", "slot_busy_o"), 0)
+        self.pulses["clear_o"] = 1
+
+    @property
+    def out(self) -> Values:
+        return {**self.pulses, "job_o": self.job, "image_width_o": self.size[0], "image_height_o": self.size[1],
+                "plan_o": int(self.state == MARK), "flush_o": int(self.state == FLUSH), "words_o": self.words,
+                "done_o": int(self.state == OVER),
+                "busy_o": int(self.state != IDLE), "status_o": self.status}
+
+    def step(self, i: Inputs) -> Values:
+        """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
+        out, state = self.out, self.state
+        started = self.pulses["row_o"]
+        due = state == ROWS and self.wait == 0 and not started
+        whole = self.rows <= (self.gap or 0)
+        ending = due and (whole or self.cancelled)
+        going = due and not ending and bool(i["room_i"])
+        accepted = self.planned == OK
+        ended = state == EMPTY and bool(i["empty_i"])
+        self.pulses = {
+            "begin_o": int(accepted), "row_o": int(going), "tail_o": int(state == TAIL),
+            "reserve_o": int((going and self.gap == 0) or (ended and self.early)), "clear_o": int(state not in MAPPING),
+            "stall_o": int(due and not ending and not going), "slot_busy_o": self._slots() if state in READING else 0}
+        self.words = 1 if state in (EMPTY, TAIL) else None if self.has is None else i["row_words_i"] * self.has
+        self.has = None if self.gap is None else not self.gap
+        self._status()
+        self.state = self._next(i, ending, ended)
+        self._count(i, state, bool(started))
+        self.planned = i["status_i"] if state == PLAN and i["planned_i"] and self.planned is None else None
+        if ending:
+            self.early = not whole
+        if state == TAIL:
+            self.early = False
+        self.cancelled = state != IDLE and (self.cancelled or bool(i["cancel_i"]))
+        if state == IDLE:
+            self.job, self.size, self.early = i["job_i"], (i["image_width_i"], i["image_height_i"]), False
+        if i["rst_i"]:
+            self._stop()
+        return out
+
+    def _slots(self) -> int:
+        """A bit for each slot of the job."""
+        job = unpack_job(self.job or 0)
+        return 1 << job["left_slot"] | 1 << job["right_slot"]
+
+    def _status(self) -> None:
+        if self.planned:
+            self.status = self.planned
+        elif self.state == MARK:
+            self.status = OK
+        elif self.state == TAIL:
+            self.status = CANCELLED
+
+    def _next(self, i: Inputs, ending: bool, ended: bool) -> int:
+        """The state of the next clock."""
+        after = {IDLE: (i["start_i"], MARK), MARK: (True, PLAN),
+                 PLAN: (self.planned is not None, OVER if self.planned else FLUSH),
+                 FLUSH: (self.left == self.flush - 1, ROWS), ROWS: (ending, DRAIN),
+                 DRAIN: (not i["feed_busy_i"], EMPTY),
+                 EMPTY: (ended, TAIL if self.early else OVER), TAIL: (True, EMPTY), OVER: (True, IDLE)}
+        moves, state = after[self.state]
+        return state if moves else self.state
+
+    def _count(self, i: Inputs, state: int, started: bool) -> None:
+        """Rows and clocks."""
+        self.left = self.left + 1 if state == FLUSH else 0
+        self.wait = max(0, self.wait - 1)
+        if state == FLUSH:
+            self.rows, self.gap, self.wait = self.size[1] or 0, 0, 0
+        elif started:
+            self.rows -= 1
+            self.gap = (self.gap or unpack_job(self.job or 0)["step_y"]) - 1
+            self.wait = i["pitch_i"] - 2

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sends the rows of two planes in the store to the dense engine, each with the row a window's height above it.
+//
+//   row y: left rows y and y - window; right rows y - down and y - down - window; 0 outside the plane, and in the first
+//   rows, which nothing leaves.
+//
+// The left row and the right row begin left_delay and right_delay clocks after they could, so that the right pixel for offset
+// 0 comes with the left one. Each begins while the other's last one may still be under way.
+//
+//   clocks after row_i
+//   2..4   rows' addresses, and whether they lie in their planes
+//   4      the delays begin
+//   6 + d  start of slog_dense_stream, d the plane's delay: row_t counts here, with the next row_i at the latest
+//   25 + d first column at the engine
+//   clocks after a wish of a stream
+//   0..3   granted: each of the four rows has every fourth clock
+//   1      rd_valid_o and rd_addr_o
+//   11, 12 rd_data_i, data_q: StoreLatency later
+// Latency    : as above.
+// Throughput : a column of both planes per clock; the store is read in at most 4 of Width clocks.
+// Rules      : begin_i with plan_i, before the first row_i of a pass. plan_i.pitch clocks or more lie between rows.
+// Reset      : rst_i is held for 1 clock or more.
+`include "slog_assert.svh"
+module slog_dense_feed
+  import slog_dense_pkg::*, slog_store_pkg::*;
+#(
+    parameter int unsigned Width       = 64,
+    parameter int unsigned WordsPerRow = 10,
+    parameter int unsigned AddrW       = 14
+) (
+    input  logic                    clk_i,
+    input  logic                    rst_i,
+    input  logic                    begin_i,
+    input  logic                    row_i,
+    // Pitch, words and window are for others.
+    /* verilator lint_off UNUSEDSIGNAL */
+    input  plan_t                   plan_i,
+    /* verilator lint_on UNUSEDSIGNAL */
+    input  logic signed [      9:0] down_i,
+    input  logic        [      9:0] width_i,
+    input  logic        [      9:0] height_i,
+    output logic                    rd_valid_o,
+    output logic        [AddrW-1:0] rd_addr_o,
+    input  logic        [Width-1:0] rd_data_i,
+    output logic                    left_valid_o,
+    output logic                    first_o,
+    output logic                    left_incoming_o,
+    output logic                    left_leaving_o,
+    output logic        [      1:0] left_ok_o,
+    output logic                    right_valid_o,
+    output logic                    right_incoming_o,
+    output logic                    right_leaving_o,
+    output logic        [      1:0] right_ok_o,
+    output logic                    busy_o            // rows are under way: from 2 clocks after a start on
+);
+  localparam int unsigned Settle  = 4;
+  localparam int unsigned Answers = StoreLatency + 1;  // from rd_valid_o to data_q
+  typedef logic [AddrW-1:0] addr_t;
+  typedef logic signed [11:0] line_t;
+
+  // Rows of the planes, left first: number, and words of the incoming and the leaving row.
+  logic fresh_q, step_q;
+  logic [9:0] y_q;
+  line_t r_q, r_above_q;
+  addr_t [1:0] incoming_q, leaving_q;
+  logic [Settle-1:0] row_q;
+  // What follows of them.
+  logic first_q, late_q, left_ok_q, right_in_q, right_in_q2, right_above_q, right_tall_q, right_ok_q;
+  logic [9:0] y_after;
+  line_t r_after;
+
+  assign y_after = y_q + 1'b1;
+  assign r_after = r_q + 1'b1;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) row_q <= '0;
+    else row_q <= {row_q[Settle-2:0], row_i};
+    step_q <= row_i && !fresh_q;
+  end
+  always_ff @(posedge clk_i) begin
+    if (begin_i) begin
+      y_q           <= '0;
+      r_q           <= -line_t'(down_i);
+      incoming_q[0] <= addr_t'(plan_i.left);
+      incoming_q[1] <= addr_t'(plan_i.right);
+      leaving_q[0]  <= addr_t'(plan_i.left - plan_i.above);
+      leaving_q[1]  <= addr_t'(plan_i.right - plan_i.above);
+    end else if (step_q) begin
+      y_q <= y_after;
+      r_q <= r_after;
+      for (int unsigned n = 0; n < 2; n++) begin
+        incoming_q[n] <= incoming_q[n] + addr_t'(WordsPerRow);
+        leaving_q[n]  <= leaving_q[n] + addr_t'(WordsPerRow);
+      end
+    end
+    if (begin_i) fresh_q <= 1'b1;
+    else if (row_i) fresh_q <= 1'b0;
+    first_q       <= y_q == '0;
+    late_q        <= (y_q & plan_i.mask) != '0;
+    left_ok_q     <= (y_after & plan_i.mask) != '0;
+    right_in_q    <= !r_q[11] && r_q < line_t'({2'b00, height_i});
+    right_tall_q  <= (r_after[10:0] & {1'b1, plan_i.mask}) != '0;
+    right_ok_q    <= right_in_q && right_tall_q;
+    right_in_q2   <= right_in_q;
+    r_above_q     <= r_q + line_t'(signed'({1'b1, plan_i.mask}));
+    right_above_q <= late_q && !r_above_q[11] && r_above_q < line_t'({2'b00, height_i});
+  end
+
+  function automatic logic [1:0] rows_ok(logic ok, logic odd);
+    return {ok && odd, ok && !odd};
+  endfunction
+
+  row_t [1:0] row;
+  assign row[0] = '{
+          incoming: 16'(incoming_q[0]),
+          leaving: 16'(leaving_q[0]),
+          has_incoming: 1'b1,
+          has_leaving: late_q,
+          column: '0,
+          skip: '0,
+          count: width_i,
+          ok: rows_ok(left_ok_q, y_q[0]),
+          first: first_q
+      };
+  assign row[1] = '{
+          incoming: 16'(incoming_q[1]),
+          leaving: 16'(leaving_q[1]),
+          has_incoming: right_in_q2,
+          has_leaving: right_above_q,
+          column: plan_i.column,
+          skip: plan_i.skip,
+          count: plan_i.count,
+          ok: rows_ok(right_ok_q, y_q[0]),
+          first: 1'b0
+      };
+
+  // Delays.
+  logic [1:0] waits_q, over, start_q;
+  logic [1:0][9:0] wait_q;
+  assign over[0] = wait_q[0] == '0;
+  assign over[1] = wait_q[1] == '0;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      waits_q <= '0;
+      start_q <= '0;
+    end else begin
+      waits_q <= row_q[Settle-1] ? {plan_i.meets, 1'b1} : waits_q & ~over;
+      start_q <= waits_q & over;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    for (int unsigned n = 0; n < 2; n++) begin
+      if (row_q[Settle-1]) wait_q[n] <= n == 0 ? plan_i.left_delay : plan_i.right_delay;
+      else wait_q[n] <= wait_q[n] - 1'b1;
+    end
+  end
+
+  // The read port: turn_q's row has it. [0], [1]: the left plane's rows, [2], [3] the right one's.
+  logic [3:0] turn_q;   // one-hot
+  logic [3:0] want, grant, granted_q;
+  addr_t [3:0] addr;
+  logic [Answers-1:0][3:0] asked_q;
+  logic rd_valid_q;
+  addr_t rd_addr_q, rd_addr;
+  logic [Width-1:0] data_q;
+  assign grant = want & turn_q;
+  always_comb begin
+    rd_addr = '0;
+    for (int unsigned n = 0; n < 4; n++) rd_addr |= addr[n] & {AddrW{turn_q[n]}};
+  end
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      turn_q     <= 4'd1;
+      granted_q  <= '0;
+      rd_valid_q <= 1'b0;
+      asked_q    <= '0;
+    end else begin
+      turn_q     <= {turn_q[2:0], turn_q[3]};
+      granted_q  <= grant;
+      rd_valid_q <= grant != '0;
+      asked_q    <= {asked_q[Answers-2:0], granted_q};
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    rd_addr_q <= rd_addr;
+    data_q    <= rd_data_i;
+  end
+  assign rd_valid_o = rd_valid_q;
+  assign rd_addr_o  = rd_addr_q;
+
+  // The right plane's rows have no first.
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [1:0] valid, first, incoming, leaving, busy;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [1:0][1:0] ok;
+  for (genvar n = 0; n < 2; n++) begin : g_plane
+    slog_dense_stream #(
+        .Width(Width),
+        .AddrW(AddrW)
+    ) u_stream (
+        .clk_i,
+        .rst_i,
+        .start_i   (start_q[n]),
+        .row_i     (row[n]),
+        .mask_i    (plan_i.mask),
+        .want_o    (want[2*n+:2]),
+        .addr_o    (addr[2*n+:2]),
+        .grant_i   (grant[2*n+:2]),
+        .came_i    (asked_q[Answers-1][2*n+:2]),
+        .data_i    (data_q),
+        .valid_o   (valid[n]),
+        .first_o   (first[n]),
+        .incoming_o(incoming[n]),
+        .leaving_o (leaving[n]),
+        .ok_o      (ok[n]),
+        .busy_o    (busy[n])
+    );
+  end
+  assign left_valid_o     = valid[0];
+  assign first_o          = first[0];
+  assign left_incoming_o  = incoming[0];
+  assign left_leaving_o   = leaving[0];
+  assign left_ok_o        = ok[0];
+  assign right_valid_o    = valid[1];
+  assign right_incoming_o = incoming[1];
+  assign right_leaving_o  = leaving[1];
+  assign right_ok_o       = ok[1];
+  assign busy_o           = busy != '0;
+
+  `SLOG_ASSERT(SlogDenseFeedRow, !(row_i && (waits_q != '0 || row_q != '0)))
+  `SLOG_ASSERT(SlogDenseFeedTurn, $onehot(turn_q))
+  `SLOG_ASSERT(SlogDenseFeedBegin, !(begin_i && (waits_q != '0 || row_q != '0 || busy_o)))
+  `SLOG_ASSERT_INIT(SlogDenseFeedLatency, Answers == 11)
+endmodule : slog_dense_feed

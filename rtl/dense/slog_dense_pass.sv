@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Leads the dense engine through a pass: check, flush, rows as there is room for their words, the end.
+//
+// Sequence of a start: mark the slots -> slog_dense_plan -> flush -> rows -> wait for the last row's feed, which frees the slots
+// -> wait until the sink has taken every word -> done. A refused job is done after the plan. Rows after the last one that has
+// words are not sent. After a cancel no row is started any more; when all words of those under way have been taken, one
+// word more ends the map (tail_o), unless the last row was already under way.
+//
+//   clock  registers
+//   0      start_i: the job is taken over
+//   1      begin of the plan; slot_busy_o in the next clock
+//   p      slog_dense_plan is done; flush_o from the clock after the next on, for Flush clocks
+//   ..     row_o, plan.pitch clocks or more apart
+// Throughput : rows plan.pitch clocks apart as long as there is room for their words.
+// Rules      : pitch_i is 8 or more. start_i counts while busy_o is low. job_o and the image's size stay until the next start.
+// Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could
+//              start but for the room.
+// Reset      : rst_i is held for 1 clock or more.
+`include "slog_assert.svh"
+module slog_dense_pass
+  import slog_dense_pkg::*;
+  import slog_compare_pkg::*;
+#(
+    parameter int unsigned Flush = 424
+) (
+    input  logic                clk_i,
+    input  logic                rst_i,
+    input  logic                start_i,
+    input  dense_job_t          job_i,
+    input  logic                cancel_i,
+    input  logic          [9:0] image_width_i,
+    input  logic          [9:0] image_height_i,
+    output logic          [7:0] slot_busy_o,
+    output dense_job_t          job_o,
+    output logic          [9:0] image_width_o,
+    output logic          [9:0] image_height_o,
+    output logic                plan_o,        // start of slog_dense_plan
+    input  logic                planned_i,
+    input  dense_status_e       status_i,
+    input  logic         [10:0] pitch_i,
+    input  logic          [9:0] row_words_i,   // of the map in a row that has any
+    output logic                begin_o,       // start of slog_dense_feed
+    output logic                flush_o,
+    output logic                clear_o,       // what comes out of the engine is not of a map
+    output logic                row_o,
+    input  logic                feed_busy_i,
+    output logic          [9:0] words_o,       // slog_dense_room: of the next row
+    output logic                reserve_o,
+    input  logic                room_i,
+    input  logic                empty_i,
+    output logic                tail_o,
+    output logic                busy_o,
+    output logic                done_o,
+    output dense_status_e       status_o,
+    output logic                stall_o
+);
+  localparam int unsigned FlushW = $clog2(Flush + 1);
+
+  // One-hot state, in order.
+  logic held_q;                        // !idle_q, a copy for the enables of job_q
+  logic idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q;
+  dense_job_t job_q;
+  logic [9:0] width_q, height_q;
+  dense_status_e status_q;
+  logic cancel_q, early_q;             // a cancel came; it ends the map early
+  logic [FlushW-1:0] flush_left_q;
+  logic flushed_q;                     // flush_left_q is 0
+  logic [10:0] wait_q;                 // clocks until a row may start
+  logic due_q;                         // wait_q is over
+  logic [9:0] rows_left_q;
+  logic more_q;                        // a row is left that has words
+  logic [7:0] gap_q;                   // rows until the next that has words
+  logic has_q;                         // gap_q is 0
+  logic planned_q, bad_q;              // planned_i, and whether the job is refused
+  logic reading_q;                     // the job's slots are marked: in the states from mark to drain
+  logic [9:0] words_q;
+  logic row_q, reserve_q, tail_out_q, begin_q, stall_q, clear_q, ready, stop, ended, refused;
+  logic [7:0] slot_busy_q;
+
+  assign stop    = rows_q && due_q && (!more_q || cancel_q);
+  assign ready   = rows_q && due_q && more_q && !cancel_q;
+  assign refused = planned_q && bad_q;
+  assign ended   = empty_q && empty_i;
+
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      idle_q      <= 1'b1;
+      held_q      <= 1'b0;
+      reading_q   <= 1'b0;
+      planned_q   <= 1'b0;
+      mark_q      <= 1'b0;
+      plan_q      <= 1'b0;
+      flush_q     <= 1'b0;
+      rows_q      <= 1'b0;
+      drain_q     <= 1'b0;
+      empty_q     <= 1'b0;
+      tail_q      <= 1'b0;
+      over_q      <= 1'b0;
+      begin_q     <= 1'b0;
+      row_q       <= 1'b0;
+      reserve_q   <= 1'b0;
+      tail_out_q  <= 1'b0;
+      stall_q     <= 1'b0;
+      clear_q     <= 1'b1;
+      slot_busy_q <= '0;
+      status_q    <= DenseOk;
+    end else begin
+      idle_q     <= (idle_q && !start_i) || over_q;
+      held_q     <= !((idle_q && !start_i) || over_q);
+      reading_q  <= (idle_q && start_i) || (reading_q && !refused && !(drain_q && !feed_busy_i));
+      planned_q  <= planned_i && plan_q && !planned_q;
+      mark_q     <= idle_q && start_i;
+      plan_q     <= mark_q || (plan_q && !planned_q);
+      flush_q    <= (planned_q && !bad_q) || (flush_q && !flushed_q);
+      rows_q     <= (flush_q && flushed_q) || (rows_q && !stop);
+      drain_q    <= stop || (drain_q && feed_busy_i);
+      empty_q    <= (drain_q && !feed_busy_i) || tail_q || (empty_q && !ended);
+      tail_q     <= ended && early_q;
+      over_q     <= refused || (ended && !early_q);
+      begin_q    <= planned_q && !bad_q;
+      row_q      <= ready && room_i;
+      reserve_q  <= (ready && room_i && has_q) || (ended && early_q);
+      tail_out_q <= tail_q;
+      stall_q    <= ready && !room_i;
+      clear_q    <= !(rows_q || drain_q || empty_q || tail_q);
+      for (int unsigned s = 0; s < 8; s++) begin
+        slot_busy_q[s] <= reading_q && (job_q.left_slot == 3'(s) || job_q.right_slot == 3'(s));
+      end
+      if (refused) status_q <= status_i;
+      else if (mark_q) status_q <= DenseOk;
+      else if (tail_q) status_q <= DenseCancelled;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    bad_q <= status_i != DenseOk;
+    has_q <= gap_q == '0;
+    if (!held_q) begin
+      job_q    <= job_i;
+      width_q  <= image_width_i;
+      height_q <= image_height_i;
+      early_q  <= 1'b0;
+    end else if (stop) begin
+      early_q  <= more_q;
+    end else if (tail_q) begin
+      early_q  <= 1'b0;
+    end
+    cancel_q     <= !idle_q && (cancel_q || cancel_i);
+    flush_left_q <= flush_q ? flush_left_q - 1'b1 : FlushW'(Flush - 1);
+    flushed_q    <= flush_q && 32'(flush_left_q) == 1;
+    wait_q       <= row_q ? pitch_i - 11'd3 : wait_q - 1'b1;
+    due_q        <= flush_q || (due_q ? !(ready && room_i) : !row_q && wait_q == '0);
+    if (flush_q) begin
+      rows_left_q <= height_q;
+      gap_q       <= '0;
+    end else if (row_q) begin
+      rows_left_q <= rows_left_q - 1'b1;
+      gap_q       <= gap_q == '0 ? job_q.step_y - 1'b1 : gap_q - 1'b1;
+    end
+    more_q  <= is_above(32'(rows_left_q), 32'(gap_q));
+    words_q <= empty_q || tail_q ? 10'd1 : has_q ? row_words_i : '0;
+  end
+
+  assign slot_busy_o    = slot_busy_q;
+  assign job_o          = job_q;
+  assign image_width_o  = width_q;
+  assign image_height_o = height_q;
+  assign plan_o         = mark_q;
+  assign begin_o        = begin_q;
+  assign flush_o        = flush_q;
+  assign clear_o        = clear_q;
+  assign row_o          = row_q;
+  assign words_o        = words_q;
+  assign reserve_o      = reserve_q;
+  assign tail_o         = tail_out_q;
+  assign busy_o         = !idle_q;
+  assign done_o         = over_q;
+  assign status_o       = status_q;
+  assign stall_o        = stall_q;
+
+  `SLOG_ASSERT(SlogDensePassState,
+               $onehot({idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
+  `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
+  `SLOG_ASSERT(SlogDensePassPlanned, !planned_q || plan_q)
+  `SLOG_ASSERT(SlogDensePassCopies, held_q == !idle_q &&
+               reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
+endmodule : slog_dense_pass

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Passes of the dense engine through its registers, and the words of its maps."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from golden.dense import ABSENT, Counts
+from golden.dense_job import DenseJob, DenseResult, DenseStatus
+from sim.board.device import Device, DeviceError
+
+Words = npt.NDArray[np.uint64]
+"""Words of a map: `map_t` of `rtl/dense/slog_dense_pkg.sv`."""
+CANCELLED = 5
+"""Status of a pass that ended early."""
+NO_SUM = 2047
+"""In a word: no offset counts there."""
+_SUMS, _INDEX, _FLAGS = (33, 22, 11, 0), 44, (52, 53, 54)
+"""Lowest bits of a word's fields: best, lower, upper and rest; index; found, agrees and valid."""
+
+
+def map_shape(size: tuple[int, int], step: tuple[int, int]) -> tuple[int, int]:
+    """Rows and columns of a map of images of `size` (width, height) with `step` (across, down)."""
+    return -(-size[1] // step[1]), -(-size[0] // step[0])
+
+
+def unpack_map(words: Words, shape: tuple[int, int]) -> DenseResult:
+    """The result that a map's words hold.
+
+    Args:
+        words: one for each pixel, in raster order.
+        shape: rows and columns of the map.
+
+    Raises:
+        ValueError: if there are not as many words as pixels, or a word's unused bits are not 0.
+    """
+    pixels = words.reshape(shape)
+    if (pixels >> np.uint64(55)).any():
+        raise ValueError("a word of the map has bits that are not used")
+
+    def part(lsb: int, bits: int) -> Counts:
+        return np.asarray(pixels >> np.uint64(lsb) & np.uint64((1 << bits) - 1)).astype(np.int16)
+
+    found, agrees, valid = (part(lsb, 1).astype(np.bool_) for lsb in _FLAGS)
+    best, lower, upper, rest = sums = [part(lsb, 11) for lsb in _SUMS]
+    for counts in sums:
+        counts[counts == NO_SUM] = ABSENT
+    index = part(_INDEX, 8)
+    index[~found] = ABSENT
+    return DenseResult(index, best, lower, upper, rest, found, agrees, valid)
+
+
+class DenseEngine:
+    """The dense engine of a simulated board.
+
+    Args:
+        device: the board, of a configuration with an engine.
+    """
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+
+    def load(self, job: DenseJob) -> None:
+        """Write the registers of a job; the pass under way, if there is one, keeps its own."""
+        d, search = self.device, job.search
+        d.write("dense.planes", left=job.left, right=job.right, window=search.window, check=int(job.check))
+        d.write("dense.search", offsets=search.offsets, start=search.start)
+        d.write("dense.vertical", down=search.down, step_x=job.step[0], step_y=job.step[1])
+        d.write("dense.limits", most=job.most, margin=job.margin)
+
+    def go(self) -> None:
+        """Start a pass with the registers as they are."""
+        self.device.write("dense.run", go=1)
+
+    def cancel(self) -> None:
+        """End the pass under way; its map ends early."""
+        self.device.write("dense.run", cancel=1)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a pass is under way."""
+        return bool(self.device.read("dense.run.busy"))
+
+    @property
+    def status(self) -> int:
+        """Status of the last pass: a `DenseStatus`, or CANCELLED."""
+        return self.device.read("dense.run.status")
+
+    def run(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
+        """Carry out a job; the result is None where it is refused.
+
+        Raises:
+            DeviceError: if the map does not arrive whole.
+        """
+        self.load(job)
+        self.go()
+        return self.collect(job)
+
+    def collect(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
+        """Wait for the pass of `job`, which was started.
+
+        Raises:
+            DeviceError: if the map does not arrive whole.
+        """
+        d = self.device
+        while self.busy and not d.stream_waiting:  # whether it is refused shows after some clocks
+            pass
+        if not d.stream_waiting:
+            return DenseStatus(self.status), None
+        shape = map_shape(d.size, job.step)
+        words = d.map_words(shape[0] * shape[1])
+        if len(words) != shape[0] * shape[1]:
+            raise DeviceError(f"map: {len(words)} of {shape[0] * shape[1]} words, status {self.status}")
+        while self.busy:
+            pass
+        return DenseStatus(self.status), unpack_map(words, shape)
