@@ -19,6 +19,7 @@ from collections.abc import Callable
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from golden.params import DENSE
 from signum.boards.golden import GoldenBoard
@@ -72,7 +73,7 @@ def motorcycle() -> tuple[Pair, Floats]:
     return (left, right), np.asarray(cv2.resize(known, size, interpolation=cv2.INTER_NEAREST), np.float64)
 
 
-def stereo_figures(pair: Pair, truth: Floats, most: int = 64) -> tuple[float, float, float]:
+def stereo_figures(pair: Pair, truth: NDArray[np.floating], most: int = 64) -> tuple[float, float, float]:
     """Share of the pixels with truth that are valid; of these, the shares more than 1 and 2 pixels off."""
     measurer = Measurer(GoldenBoard(DENSE), (truth.shape[1], truth.shape[0]), 1.0)
     found = measure_dense_range(measurer, *measurer.pair(*pair), (0, most))
@@ -91,7 +92,7 @@ def flow_figures(pair: Pair, moved: tuple[float, float]) -> tuple[float, float, 
 def judge_stereo(seed: int, tell: Callable[[bool | None, str], None]) -> None:
     """Measure and tell the stereo figures."""
     pair, truth = motorcycle()
-    scenes = [("motorcycle", pair, truth, True)]
+    scenes: list[tuple[str, Pair, NDArray[np.floating], bool]] = [("motorcycle", pair, truth, True)]
     scenes += [(f"relief {n}", *relief_pair(n), False) for n in (700, 702)]
     for name, both, known, held in scenes:
         for murky in (False, True):

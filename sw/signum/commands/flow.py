@@ -10,33 +10,82 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from golden.params import DENSE, FULL, MAX_SIGMA, MIN_SIGMA
 from signum.applications.mavlink.flow import FlowSink
 from signum.commands.app import command
 from signum.commands.autopilot import InStep
 from signum.commands.focal import focal_px
 from signum.commands.options import (
+    BOARD,
     SOURCE,
+    BoardName,
+    BoardOption,
     BoardOptions,
     CalibrationOption,
+    DenseOption,
     FocalOption,
     MavlinkOption,
     OutOption,
     SourceArgument,
 )
 from signum.commands.session import Session
+from signum.common.errors import SignumError
 from signum.common.files import name_part, write_picture
 from signum.frames.clock import FRAME_RATE
 from signum.frames.frame import Frame
+from signum.measure.dense_flow import measure_dense_flow
 from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
 from signum.report.draw import draw_flow
 from signum.report.movie import Movie
 from signum.report.rows import flow_rows
+from signum.report.wheel import draw_wheel_flow
 from signum.tables.schemas import FLOW
 
 LOST = 0.25
 """Share of valid windows below which the search is widened."""
-BOARD_DEFAULTS = BoardOptions()
+LEAST_STEP = 4
+"""Least grid of the field without --dense, pixels."""
+
+
+@dataclass(frozen=True)
+class FlowGrid:
+    """The board, and the grid of the field; what is not given depends on whether it is dense."""
+
+    board: BoardOption = BoardName.golden
+    sigma: Annotated[float | None, typer.Option(
+        "--sigma", rich_help_panel=BOARD, min=MIN_SIGMA, max=MAX_SIGMA, show_default="2.0; 1.5 with --dense",
+        help="Width of the LoG's Gaussian, pixels of the board's picture.")] = None
+    window: Annotated[int | None, typer.Option(
+        "--window", rich_help_panel=BOARD, min=8, max=128, show_default="64; 32 with --dense",
+        help="Side of the correlation windows, pixels of the board's picture.")] = None
+    dense: DenseOption = False
+    step: Annotated[int | None, typer.Option(
+        "--step", min=1, show_default="32; 8 with --dense", help="Grid of the field, pixels of the board's picture.")
+    ] = None
+    reach: Annotated[int, typer.Option("--reach", min=2, max=64, help="Largest change of the flow from frame to frame, "
+                                       "pixels of the board's picture.")] = 16
+
+    @property
+    def chosen(self) -> BoardOptions:
+        """The board, its filter and window."""
+        sigma, window = (1.5, 32) if self.dense else (2.0, 64)
+        return BoardOptions(self.board, self.sigma or sigma, self.window or window)
+
+    @property
+    def grid(self) -> int:
+        """Grid of the field, pixels of the board's picture.
+
+        Raises:
+            SignumError: if it is too fine for a board without the dense engine.
+        """
+        step = self.step or (8 if self.dense else 32)
+        if step < LEAST_STEP and not self.dense:
+            raise SignumError(f"--step {step}: choose {LEAST_STEP} or more, or --dense")
+        return step
+
+
+GRID_DEFAULTS = FlowGrid()
 
 
 @dataclass(frozen=True)
@@ -59,20 +108,19 @@ def flow(
     lens: FlowLens = LENS_DEFAULTS,
     mavlink: MavlinkOption = None,
     output: OutOption = Path("out/flow"),
-    board: BoardOptions = BOARD_DEFAULTS,
-    step: Annotated[int, typer.Option("--step", min=4, help="Grid of the field, pixels of the board's picture.")] = 32,
-    reach: Annotated[int, typer.Option("--reach", min=2, max=64, help="Largest change of the flow from frame to frame, "
-                                       "pixels of the board's picture.")] = 16,
+    search: FlowGrid = GRID_DEFAULTS,
     pictures: Annotated[int, typer.Option("--pictures", min=1, help="Every how many frames the field is also written "
                                           "as a picture.")] = 10,
 ) -> None:
     """Optical flow from frame to frame: `flow.csv`, `flow.mp4`, every tenth field as `flow_NAME.png`, `report.html`;
-    to an autopilot, OPTICAL_FLOW.
+    to an autopilot, OPTICAL_FLOW. With `--dense` windows lie side by side all over the picture, drawn as a colour wheel
+    has it: the hue is the direction.
 
     Example: `signum flow dive.mp4 --step 24 --out out/flow`
     """
     shares: list[float] = []
-    with Session("flow", board, output, source, calibration, lens.rate) as run:
+    draw, config, step = draw_wheel_flow if search.dense else draw_flow, DENSE if search.dense else FULL, search.grid
+    with Session("flow", search.chosen, output, source, calibration, lens.rate, config) as run:
         teller = FlowTeller(run, run.open(FlowSink(mavlink)) if mavlink is not None else None, lens, calibration)
         fit, measurer = run.fit, run.measurer(run.fit.board)
         run.page()
@@ -86,13 +134,13 @@ def flow(
         for frame in run.steps("flow", run.frames(), run.source.count):
             live = measurer.view(fit.show(frame.picture))
             if last is not None:
-                field = _measure(measurer, last[1], live, board.window, step, reach, guess)
+                field = _measure(measurer, (last[1], live), search, run.chosen.window, step, guess)
                 guess = field.dominant()
                 teller.send(last[0], frame, field)
                 run.refused.update(field.refused)
                 measurer.release(last[1])
                 table.write_all(flow_rows(last[0], frame, field, fit))
-                shown = draw_flow(fit.show(last[0].picture), field)
+                shown = draw(fit.show(last[0].picture), field)
                 movie.write(shown)
                 if run.done % pictures == 1 % pictures:
                     write_picture(run.file(f"flow_{name_part(last[0].name)}.png"), shown)
@@ -137,12 +185,16 @@ class FlowTeller(InStep):
         self._sink.send(moment, step, field, self._focal)
 
 
-def _measure(measurer: Measurer, before: View, after: View, window: int, step: int, reach: int,
+def _measure(measurer: Measurer, views: tuple[View, View], search: FlowGrid, window: int, step: int,
              guess: tuple[float, float]) -> FlowField:
     """The field, searched for around the last field's motion; where that loses most windows, over a wider range."""
-    field = measure_flow(measurer, before, after, (window, window), step, (reach, reach), guess, support=1)
+    def within(reach: int, guess: tuple[float, float]) -> FlowField:
+        if search.dense:
+            return measure_dense_flow(measurer, *views, window, step, (reach, reach), guess)
+        return measure_flow(measurer, *views, (window, window), step, (reach, reach), guess, support=1)
+
+    field = within(search.reach, guess)
     if field.valid.mean() < LOST:
-        wide = min(3 * reach, min(measurer.size) // 2)
-        other = measure_flow(measurer, before, after, (window, window), step, (wide, wide), support=1)
+        other = within(min(3 * search.reach, min(measurer.size) // 2), (0.0, 0.0))
         field = other if other.valid.sum() > field.valid.sum() else field
     return field

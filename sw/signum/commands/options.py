@@ -61,6 +61,8 @@ SigmaOption = Annotated[float, typer.Option(
 WindowOption = Annotated[int, typer.Option(
     "--window", rich_help_panel=BOARD, min=8, max=128,
     help="Side of the correlation windows, pixels of the board's picture.")]
+DenseOption = Annotated[bool, typer.Option(
+    "--dense", rich_help_panel=BOARD, help="Measure around every pixel, on a board with the dense engine.")]
 SecondsOption = Annotated[float | None, typer.Option(
     "--seconds", min=1.0, show_default="60; a source's whole length", help="Length of the run.")]
 SeedOption = Annotated[int, typer.Option("--seed", rich_help_panel=SIMULATION, min=0,

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypeVar
 
+from golden.params import FULL, Config
 from signum.boards import open_board
 from signum.boards.board import Board
 from signum.commands.options import GIVEN, BoardName, BoardOptions
@@ -51,6 +52,7 @@ class Session:
         source: what the user named as the source of frames, None for none.
         calibration: of the source's camera, whose distortion is taken out.
         rate: frames per second of a source whose frames have no times.
+        config: the board's build.
 
     Attributes:
         board: the open board.
@@ -70,7 +72,8 @@ class Session:
     board: Board
 
     def __init__(self, command: str, chosen: BoardOptions, folder: Path, source: str | None = None,
-                 calibration: Path | None = None, rate: float | None = None) -> None:
+                 calibration: Path | None = None, rate: float | None = None, config: Config = FULL) -> None:
+        self._config = config
         self.command, self.chosen, self.folder = command, chosen, folder
         self.name = "" if source is None else identity(source)
         self._source = None if source is None else open_source(source, calibration)
@@ -86,7 +89,7 @@ class Session:
         self._bar, self._opened, self._powered = ExitStack(), ExitStack(), ExitStack()
 
     def __enter__(self) -> Self:
-        self.board = self._powered.enter_context(board_of(self.chosen.board, self.chosen.window))
+        self.board = self._powered.enter_context(board_of(self.chosen.board, self.chosen.window, self._config))
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
@@ -229,15 +232,18 @@ def kind_of(reason: str) -> str:
 
 
 @contextmanager
-def board_of(name: BoardName, window: int = 8) -> Iterator[Board]:
-    """The board, opened and closed again.
+def board_of(name: BoardName, window: int = 8, config: Config = FULL) -> Iterator[Board]:
+    """The board of a build, opened and closed again.
 
     Raises:
         SignumError: if it takes no windows of this size.
     """
     if name == "verilated":
         notes.print("board: Verilated RTL (built once, on first use)")
-    with open_board(name) as board:
+    with open_board(name, config) as board:
+        if not config.array and window not in config.dense_windows:
+            sides = ", ".join(map(str, sorted(config.dense_windows)))
+            raise SignumError(f"--window {window}: with --dense choose one of {sides}")
         if not board.config.min_window <= window <= board.config.max_window:
             raise SignumError(f"--window {window}: choose {board.config.min_window} to {board.config.max_window}")
         yield board

@@ -15,10 +15,11 @@ import numpy as np
 import tifffile
 import typer
 
+from golden.params import DENSE, FULL
 from signum.applications.mavlink.distance import DistanceSink
 from signum.commands.app import command
 from signum.commands.autopilot import InStep
-from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, MavlinkOption, OutOption, PairOption
+from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, DenseOption, MavlinkOption, OutOption, PairOption
 from signum.commands.outputs import identity
 from signum.commands.session import Session
 from signum.common.arrays import Image
@@ -29,6 +30,7 @@ from signum.frames.clock import FRAME_RATE
 from signum.frames.fit import Fit
 from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry
+from signum.measure.dense_stereo import measure_dense_range
 from signum.measure.stereo import RangeMap, measure_range
 from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
@@ -37,6 +39,8 @@ from signum.tables.schemas import DISPARITY
 
 BOARD_DEFAULTS = BoardOptions(sigma=1.0, window=16)
 SEARCH = "Search"
+GRID = 8
+"""Grid of a map without --dense, and least one of the table, pixels of the board's picture."""
 FEW = 0.1
 """Share of the first pair's windows below which it is asked whether the pictures are exchanged."""
 EXCHANGED = 3.0
@@ -52,8 +56,14 @@ class DisparityOptions:
         help="Largest disparity searched for, original pixels.")] = None
     least: Annotated[int, typer.Option("--least", rich_help_panel=SEARCH,
                                        help="Smallest disparity, original pixels.")] = 0
-    step: Annotated[int, typer.Option("--step", rich_help_panel=SEARCH, min=1,
-                                      help="Grid of the map, pixels of the board's picture.")] = 8
+    step: Annotated[int | None, typer.Option("--step", rich_help_panel=SEARCH, min=1, show_default="8; 1 with --dense",
+                                             help="Grid of the map, pixels of the board's picture.")] = None
+    dense: DenseOption = False
+
+    @property
+    def grid(self) -> int:
+        """Grid of the map, pixels of the board's picture."""
+        return self.step or (1 if self.dense else GRID)
 
     def disparities(self, fit: Fit) -> tuple[int, int]:
         """Smallest and largest disparity, pixels of the board's picture."""
@@ -137,6 +147,8 @@ def stereo(
     """Range from a stereo pair: `range.png`, `range.tiff`, `points.ply`, `disparity.csv`, `report.html`; to an
     autopilot, DISTANCE_SENSOR. Without a calibration the frames must be rectified, and only disparities are written.
 
+    With `--dense` the map has every pixel, and the table every eighth one across and down.
+
     Of folders and videos every frame's files carry its name, `range_0001.png`.
 
     Example: `signum stereo left.png right.png --calibration rig.yaml --out out/stereo`
@@ -144,7 +156,8 @@ def stereo(
     if told.mavlink is not None and calibration is None:
         raise SourceError("--mavlink: without a --calibration there is no range to send")
     shares: list[float] = []
-    session, other = Session("stereo", board, output, left, rate=told.rate), open_source(right)
+    session = Session("stereo", board, output, left, rate=told.rate, config=DENSE if search.dense else FULL)
+    other = open_source(right)
     session.name += f" and {identity(right)}"
     rig = open_rig(calibration).rectifier(session.first.size) if calibration is not None else None
     geometry = rig.geometry if rig else None
@@ -155,8 +168,8 @@ def stereo(
         run.page()
         table = run.table("disparity.csv", DISPARITY)
         run.measured = lambda: sum(s > 0 for s in shares)
-        run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the windows "
-                               f"valid{teller.said}")
+        run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the "
+                               f"{'pixels' if search.dense else 'windows'} valid{teller.said}")
         for frame, seen in run.steps("stereo", pairs, run.source.count):
             shown, found = _measure(run, seen, rectify, search)
             if not shares and found.valid.mean() < FEW:
@@ -165,6 +178,8 @@ def stereo(
             teller.send(frame.time_s, whole)
             ending = "" if run.source.count == 1 else f"_{name_part(frame.name)}"
             _write(run, ending, run.fit, found, geometry, shown)
+            if search.dense:
+                whole = whole.thinned(-(-GRID // search.grid))
             for line in disparity_rows(frame, whole, geometry):
                 table.write(line)
             run.refused.update(found.refused)
@@ -178,8 +193,10 @@ def _measure(run: Session, pair: tuple[Image, Image], rig: Rectifier | None, sea
     """The left picture as the board sees it, rectified by `rig`, and the map of a pair of grey pictures."""
     measurer, window = run.measurer(run.fit.board), run.chosen.window
     left, right = (run.fit.show(p) for p in (rig(*pair) if rig else pair))
-    return left, measure_range(measurer, *measurer.pair(left, right), search.disparities(run.fit), (window, window),
-                               search.step)
+    views, disparities = measurer.pair(left, right), search.disparities(run.fit)
+    if search.dense:
+        return left, measure_dense_range(measurer, *views, disparities, window, search.grid)
+    return left, measure_range(measurer, *views, disparities, (window, window), search.grid)
 
 
 def _tell_exchanged(run: Session, pair: tuple[Image, Image], rig: Rectifier | None, search: DisparityOptions,

@@ -61,6 +61,12 @@ class RangeMap:
         return RangeMap(fit.to_source(xs)[:, 0], fit.to_source(ys)[:, 1], self.disparity * fit.factor[0], self.score,
                         self.margin, self.refused)
 
+    def thinned(self, step: int) -> RangeMap:
+        """Every `step`-th column and row of the map."""
+        thin = slice(None, None, step)
+        return RangeMap(self.x[thin], self.y[thin], self.disparity[thin, thin], self.score[thin, thin],
+                        self.margin[thin, thin], self.refused)
+
     def points(self, geometry: StereoGeometry) -> Floats:
         """Valid points (n, 3), metres, right, down and forward of the left camera."""
         ys, xs = np.nonzero(self.valid)

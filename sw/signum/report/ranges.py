@@ -7,6 +7,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from signum.common.arrays import Floats, Image
 from signum.geometry.calibration import StereoGeometry
@@ -40,16 +41,15 @@ def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Image)
     low, high = (float(v) for v in np.percentile(seen, (1, 99))) if seen.size else (0.0, 1.0)
     high = max(high, low + 1e-3)
     near_is_red = 1.0 if geometry is None else -1.0
-    step_x, step_y = (int(a[1] - a[0]) if a.size > 1 else 16 for a in (found.x, found.y))
-    for j, v in enumerate(found.y.astype(int)):
-        for i, u in enumerate(found.x.astype(int)):
-            if np.isfinite(values[j, i]):
-                cell = out[max(v - step_y // 2, 0):v + (step_y + 1) // 2, max(u - step_x // 2, 0):u + (step_x + 1) // 2]
-                cell[:] = np.asarray(0.35 * cell + 0.65 * _colour((values[j, i] - low) / (high - low), near_is_red))
+    row, column = (cells_of(centres, size) for centres, size in zip((found.y, found.x), picture.shape, strict=True))
+    cells = np.where((row[:, None] >= 0) & (column >= 0), values[row[:, None], column], np.nan)
+    shown = np.isfinite(cells)
+    colours = _colours((cells[shown] - low) / (high - low), near_is_red)
+    out[shown] = np.asarray(0.35 * out[shown] + 0.65 * colours, np.uint8)
     height = picture.shape[0]
     scale = np.full((height, SCALE_WIDTH, 3), 255, np.uint8)
     for y in range(8, height - 8):
-        scale[y, 8:22] = _colour(1 - (y - 8) / (height - 16), near_is_red)
+        scale[y, 8:22] = _colours(np.array([1 - (y - 8) / (height - 16)]), near_is_red)
     for share in (0.0, 0.5, 1.0):
         y = round(height - 8 - share * (height - 16))
         cv2.putText(scale, f"{low + share * (high - low):.3g}", (25, min(max(y + 4, 12), height - 4)),
@@ -57,8 +57,17 @@ def draw_range(found: RangeMap, geometry: StereoGeometry | None, picture: Image)
     return np.hstack([out, scale])
 
 
-def _colour(share: float, sign: float) -> Image:
-    """Blue (0) to red (1), or the other way round for a negative sign; uint8 (3,)."""
-    share = min(max(share, 0.0), 1.0)
-    level = np.array([[round(255 * (share if sign > 0 else 1 - share))]], np.uint8)
-    return np.asarray(cv2.applyColorMap(level, cv2.COLORMAP_TURBO)[0, 0], np.uint8)
+def cells_of(centres: Floats, size: int) -> NDArray[np.int64]:
+    """For each pixel of a side the number of the cell that it lies in, -1 where it lies in none."""
+    step = int(centres[1] - centres[0]) if centres.size > 1 else 16
+    cells = np.full(size, -1)
+    for n, centre in enumerate(centres.astype(int)):
+        cells[max(centre - step // 2, 0):centre + (step + 1) // 2] = n
+    return cells
+
+
+def _colours(shares: Floats, sign: float) -> Image:
+    """Blue (0) to red (1), or the other way round for a negative sign; uint8 (n, 3)."""
+    shares = np.clip(shares, 0.0, 1.0)
+    levels = np.rint(255 * (shares if sign > 0 else 1 - shares)).astype(np.uint8)
+    return np.asarray(cv2.applyColorMap(levels[:, None], cv2.COLORMAP_TURBO)[:, 0], np.uint8).reshape(-1, 3)
