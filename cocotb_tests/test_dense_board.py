@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`slog_dense_board` (`tiny_dense`) against its cycle model on every clock, its maps against the frame level."""
+"""`slog_dense_board` (`tiny_dense`) against its cycle model on every clock, its maps against the frame level.
+
+Cameras and the sink of maps are stalled in every shape, each in another scenario, because the model takes long.
+"""
 
 import random
 from collections.abc import Callable
@@ -21,15 +24,14 @@ from golden.dense import DensePass
 from golden.dense_job import DenseJob, DenseResult, DenseStatus, run_dense
 from golden.log import sign
 from golden.params import TINY_DENSE
-from golden.traffic.stalls import SHAPES
 from golden.traffic.video import texture
 from sim.board.dense import map_shape, unpack_map
 from sim.registers.map import address, dense_fields, fields, word
 from sim.testbench.runner import AXI_PORTS, simulate
 
 SIGMA = 1.5
-SIZE = 24, 19
-OTHER = 21, 20
+SIZE = 20, 18
+OTHER = 21, 19
 """Another size, for changes between frames."""
 FIELDS = tuple(DenseResult.__dataclass_fields__)
 
@@ -98,11 +100,11 @@ def _everyday(h: DenseHost) -> Script:
     assert not h.irq
     yield from h.go()
     _check(h, jobs[1], planes, SIZE, (yield from h.finished()))
-    rows = sum(-(-SIZE[1] // each.step[1]) and (-(-SIZE[1] // each.step[1]) - 1) * each.step[1] + 1 for each in jobs)
+    rows = sum((SIZE[1] - 1) // each.step[1] * each.step[1] + 1 for each in jobs)  # up to the last that the map has
     assert (yield from h.read("dense.rows.value")) == rows
     yield from h.captured()
-    assert np.array_equal((yield from h.plane(2)), planes[2])
     assert (yield from h.read("counter.frames[1].value")) == 2
+    yield from _pass(h, DenseJob(2, 1, DensePass(4, 16, -6), (3, 2)), planes)
     busy = yield from h.read("counter.busy.value")
     assert busy > 2 * SIZE[0] * SIZE[1]
 
@@ -139,7 +141,7 @@ def _refused(h: DenseHost) -> Script:
 
 def _under_way(h: DenseHost, words: int) -> bool:
     """Whether a map has so many words, and camera 1 has sent a part of its frame."""
-    return len(h.streamed) >= words and len(h.beats[1]) < 400
+    return len(h.streamed) >= words and len(h.beats[1]) < 300
 
 
 def _resets(h: DenseHost) -> Script:
@@ -203,11 +205,11 @@ def _busy_slots(h: DenseHost) -> Script:
     job = DenseJob(0, 1, DensePass(4, 16, -8), (4, 3))
     yield from h.load(job)
     seen = dict.fromkeys(DenseStatus, 0)
-    for tag in range(6):
+    for tag in range(4):
         image = texture(h.rng, *SIZE)
         yield from h.arm(0, 0)
         h.show(0, image)
-        yield from h.pause((0, 20, 300, 450, 480, 700)[tag])
+        yield from h.pause((0, 250, 350, 600)[tag])
         yield from h.go()
         status = DenseStatus((yield from h.finished()))
         seen[status] += 1
@@ -217,7 +219,7 @@ def _busy_slots(h: DenseHost) -> Script:
             h.show(0, image)
         yield from h.captured()
         planes[0] = sign(image, SIGMA, TINY_DENSE.radius)
-        yield from _pass(h, job, planes)
+    yield from _pass(h, job, planes)
     assert seen[DenseStatus.OK] and seen[DenseStatus.BAD_SLOT], seen
 
 
@@ -260,10 +262,10 @@ async def _scenario(dut, script: Callable[[DenseHost], Script], video: str = "no
 
 
 @cocotb.test()
-@cocotb.parametrize(shape=SHAPES)
-async def everyday_work(dut, shape: str) -> None:
-    host = await _scenario(dut, _everyday, shape, shape, shape)
-    assert shape == "none" or host.stalls["stream"] > 10
+@cocotb.parametrize((("video", "sink", "bus"), [("none", "none", "none"), ("long", "random", "cyclic")]))
+async def everyday_work(dut, video: str, sink: str, bus: str) -> None:
+    host = await _scenario(dut, _everyday, video, sink, bus)
+    assert sink == "none" or host.stalls["stream"] > 10
 
 
 @cocotb.test()
@@ -278,7 +280,7 @@ async def reset_in_the_middle(dut) -> None:
 
 @cocotb.test()
 async def changes_between_frames(dut) -> None:
-    await _scenario(dut, _changes, sink="cyclic")
+    await _scenario(dut, _changes, video="cyclic", sink="cyclic", bus="random")
 
 
 @cocotb.test()

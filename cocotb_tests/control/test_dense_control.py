@@ -29,7 +29,8 @@ def traffic(rng: random.Random, seen: dict[str, int]) -> Stimulus:
     request: Inputs = {}
     age = pause = busy = begin = 0
     for t in lasting(CLOCKS, 10 * CLOCKS, lambda: min(seen.values()) >= 3):
-        rst = int(t % RESETS == RESETS - 1)
+        begins = age == 4 and request["is_wr_i"] and request["addr_i"] == run
+        rst = int(t % RESETS == RESETS - 1 or (begins and rng.random() < 0.05))
         if age >= pause:
             write = rng.random() < 0.6
             request = {"is_wr_i": int(write), "addr_i": run if rng.random() < 0.4 else rng.choice(places),

@@ -14,6 +14,8 @@ from golden.cycle.dense.plan import DenseBuild
 from golden.cycle.model import Inputs, Values
 from golden.params import Config
 
+LINGER = 64
+"""Clocks after a pass from which on nothing in the engine's block changes until the next: its clock may stop."""
 STREAM = "map_tdata_o", "map_tvalid_o", "map_tuser_o", "map_tlast_o"
 
 
@@ -46,6 +48,8 @@ class DenseBoardModel(CamerasModel):
         super().__init__(config, fields, extension=True)
         self.dense_control = DenseControlModel(config, dense_fields)
         self.dense = DenseBlockModel(dense_build(config))
+        self.still = 0  # clocks in which the block was idle
+        self.work: Values = {}  # its outputs
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -54,7 +58,7 @@ class DenseBoardModel(CamerasModel):
         control, capture, extension = self.control.outputs(), self.capture.outputs(), self.dense_control.outputs()
         commands, asked = all_or_zero(control), all_or_zero(extension)
         fronts = self._cameras(i, commands)
-        work = self.dense.step({
+        work = self._work({
             "rst_i": rst, **{f"{name}_i": asked[f"{name}_o"] for name in ("start", "job", "cancel")},
             "image_width_i": commands["width_o"], "image_height_i": commands["height_o"],
             "slot_valid_i": capture["slot_valid_o"] or 0, "rd_data_i": self.store.data or 0,
@@ -72,3 +76,11 @@ class DenseBoardModel(CamerasModel):
         self._take(rst, control, fronts, work["slot_busy_o"])
         return {**{name: control[name] for name in CsrModel.OUTPUTS}, "vid_tready_o": fronts["tready_o"],
                 **{name: work[name] for name in STREAM}, "irq_o": control["irq_o"]}
+
+    def _work(self, i: Inputs) -> Values:
+        """Outputs of the engine's block, which is not stepped while its clock may stop."""
+        if i["rst_i"] or i["start_i"] or self.still < LINGER:
+            self.work = self.dense.step(i)
+            idle = not (i["rst_i"] or i["start_i"] or self.work["busy_o"] or self.work["map_tvalid_o"])
+            self.still = self.still + 1 if idle else 0
+        return self.work

@@ -42,7 +42,7 @@ module slog_dense_control
   slog_dense_csr_pkg::slog_dense_csr__out_t hwif_out;
   logic clk, go, free, start_q, irq_q;
   logic [1:0][31:0] counts;
-  logic stall_wr, stall_rd, rd_ack, rd_err, wr_ack, wr_err;
+  logic unused_stall_wr, unused_stall_rd, unused_rd_ack, unused_rd_err, unused_wr_ack, unused_wr_err;
 
   slog_clock_gate #(
       .Linger(16)
@@ -61,18 +61,16 @@ module slog_dense_control
       .s_cpuif_addr        (addr_i),
       .s_cpuif_wr_data     (data_i),
       .s_cpuif_wr_biten    (biten_i),
-      .s_cpuif_req_stall_wr(stall_wr),
-      .s_cpuif_req_stall_rd(stall_rd),
-      .s_cpuif_rd_ack      (rd_ack),
-      .s_cpuif_rd_err      (rd_err),
+      .s_cpuif_req_stall_wr(unused_stall_wr),
+      .s_cpuif_req_stall_rd(unused_stall_rd),
+      .s_cpuif_rd_ack      (unused_rd_ack),
+      .s_cpuif_rd_err      (unused_rd_err),
       .s_cpuif_rd_data     (rd_data_o),
-      .s_cpuif_wr_ack      (wr_ack),
-      .s_cpuif_wr_err      (wr_err),
+      .s_cpuif_wr_ack      (unused_wr_ack),
+      .s_cpuif_wr_err      (unused_wr_err),
       .hwif_in,
       .hwif_out
   );
-  logic unused;
-  assign unused = ^{stall_wr, stall_rd, rd_ack, rd_err, wr_ack, wr_err};
 
   slog_counters #(
       .Events(2)
