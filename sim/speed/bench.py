@@ -149,10 +149,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         ("opencv", lambda: against_opencv(figures["utilisation"]["share"])),
         ("clock_rate", lambda: clock_rates(config)), ("dense", lambda: dense_pass(CONFIGS["dense"])),
         ("dense_opencv", dense_against_opencv)]
-    for name, measure in measures:
-        figures[name] = measure()
-        print(f"{name}: {json.dumps(figures[name], indent=2)}", flush=True)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    args.out.write_text(json.dumps(figures, indent=2) + "\n")
+    try:
+        for name, measure in measures:
+            figures[name] = measure()
+            print(f"{name}: {json.dumps(figures[name], indent=2)}", flush=True)
+    finally:  # what was measured stays when a bar is missed
+        args.out.parent.mkdir(parents=True, exist_ok=True)
+        args.out.write_text(json.dumps(figures, indent=2) + "\n")
     print(args.out)
     return 0
