@@ -215,8 +215,8 @@ REASONS: Mapping[str, str] = {
     "slog_dense_check": DATA,
     "slog_dense_control": "generated registers and pulses of a clock; cocotb writes and reads every one of them",
     "slog_dense_engine": WIRES,
-    "slog_dense_feed": "that each word comes in time and none is lost is asserted in its streams, at every offset of the "
-                       "planes; cocotb compares every clock",
+    "slog_dense_feed": "that each word comes in time and none is lost is asserted in its streams, at every offset of "
+                       "the planes; cocotb compares every clock",
     "slog_dense_group": WIRES,
     "slog_dense_memory": DATA,
     "slog_dense_out": "counters of pixels before a queue that is proved; cocotb compares every clock",

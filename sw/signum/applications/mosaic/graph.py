@@ -45,6 +45,9 @@ PARALLAX = 0.01
 """Error of an edge by relief, as a share of its displacement: what the windows have in common."""
 WIDENED = 6
 """Steps in which the scale of the robust weights comes down from 2 to this power."""
+CONVEX = 0.5
+"""Misfit, of that at which an edge has a quarter of its weight, below which the weights begin narrow if no edge is above
+it: the cost is convex there (up to 0.577), so there is one solution, and none to be kept away from."""
 MOST_STEPS = 40
 """Most Gauss-Newton steps."""
 CONVERGED = 1e-3
@@ -164,6 +167,7 @@ class _Descent:
         self._system = _System(edges, names, size)
         self.chosen = [0] * len(edges)
         self.robust, self.usual = np.ones(len(edges)), 1.0
+        self._calm = False  # no edge contradicts the others
         self.factor: SuperLU | None = None
 
     def descend(self, poses: Complexes, most_steps: int) -> Complexes:
@@ -176,11 +180,10 @@ class _Descent:
             factor = factored(weighted @ matrix)
             step = np.concatenate([np.zeros(2, np.complex128), -factor.solve(weighted @ residual)])
             poses = poses + step
-            settled = turn > 2 + (WIDENED if self._system.redundant else 2)
+            switched = self._system.redundant and turn >= 2 and self._switch(poses)
+            settled = turn > (2 + WIDENED if self._system.redundant and not self._calm else 3) and not switched
             if settled and float(np.abs(step[1::2]).max()) < CONVERGED:
                 break
-            if self._system.redundant and turn >= 2:
-                self._switch(poses)
         _, matrix = self._system.linear(poses)
         honest = np.repeat(self._system.honest * self.robust, 2)
         self.factor = factored(matrix.conj().T.multiply(honest).tocsc() @ matrix)
@@ -194,12 +197,14 @@ class _Descent:
             return self._system.precision
         self.usual = max(1.0, float(np.median(claimed)) / 0.92)
         if turn > 1:
-            scale = self._outvoted * self.usual * 2.0 ** max(0, WIDENED - (turn - 1))
+            final = self._outvoted * self.usual
+            self._calm = self._calm if turn > 2 else float(claimed.max()) < CONVEX * final
+            scale = final * (1.0 if self._calm else 2.0 ** max(0, WIDENED - (turn - 1)))
             self.robust = np.asarray(1 / (1 + (claimed / scale) ** 2) ** 2, np.float64)
         return self._system.precision * self.robust
 
-    def _switch(self, poses: Complexes) -> None:
-        """Let each edge with rivals take part by the motion that fits the poses best."""
+    def _switch(self, poses: Complexes) -> bool:
+        """Let each edge with rivals take part by the motion that fits the poses best; returns whether one changed."""
         changed = False
         for k, edge in enumerate(self._given):
             if not edge.rivals:
@@ -217,7 +222,8 @@ class _Descent:
                 self.chosen[k], changed = best, True
                 self._edges[k] = self._given[k].switched(best) if best else self._own[k]
         if changed:
-            self._system = _System(self._edges, self._names, self._size)
+            self._system, self._calm = _System(self._edges, self._names, self._size), False
+        return changed
 
     def misfits(self, poses: Complexes) -> Floats:
         """Of the edges, pixels of frame b."""
