@@ -5,6 +5,7 @@ how long one takes on the golden board, beside OpenCV's block matcher."""
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -45,9 +46,10 @@ def dense_against_opencv() -> dict[str, Any]:
     job = DenseJob(0, 1, DensePass(32, 64), check=True)
     matcher = cv2.StereoBM.create(64, 21)
     left, right = (pack(plane) for plane in planes)
-    work = {"golden": lambda: (kernel.dense(left, right, 640, job) if kernel else
-                               run_dense(job, dict(enumerate(planes)), DENSE, (640, 480))),
-            "StereoBM": lambda: matcher.compute(*frames)}
+    work: dict[str, Callable[[], object]] = {
+        "golden": lambda: (kernel.dense(left, right, 640, job) if kernel else
+                           run_dense(job, dict(enumerate(planes)), DENSE, (640, 480))),
+        "StereoBM": lambda: matcher.compute(*frames)}
     seconds: dict[str, list[float]] = {name: [] for name in work}
     for _ in range(ROUNDS):
         for name, call in work.items():

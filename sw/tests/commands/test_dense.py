@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -41,8 +42,9 @@ def _pair(folder: Path, across: int, down: int) -> tuple[Path, Path]:
 def _rig(path: Path) -> Path:
     k = np.array([[150.0, 0, 77.5], [0, 150.0, 47.5], [0, 0, 1]])
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    for name, value in {"image_width": 156, "image_height": 96, "K1": k, "K2": k, "D1": np.zeros(5), "D2": np.zeros(5),
-                        "R": np.eye(3), "T": np.array([[-0.1], [0.0], [0.0]])}.items():
+    entries: dict[str, Any] = {"image_width": 156, "image_height": 96, "K1": k, "K2": k, "D1": np.zeros(5),
+                               "D2": np.zeros(5), "R": np.eye(3), "T": np.array([[-0.1], [0.0], [0.0]])}
+    for name, value in entries.items():
         storage.write(name, value)
     storage.release()
     return path
