@@ -81,7 +81,8 @@ class DenseResult:
     Attributes:
         index: the best offset's number k, int16 as all counts; ABSENT where no offset counts.
         best: mismatches there, 0..window**2, ABSENT where no offset counts.
-        lower, upper: mismatches at offsets k - 1 and k + 1, ABSENT where these do not count.
+        lower: mismatches at offset k - 1, ABSENT where it does not count.
+        upper: the same at offset k + 1.
         rest: least mismatches of the offsets that are neither, ABSENT where there is none.
         found: whether an offset counts.
         agrees: whether the right plane's winner is this one, within AGREEMENT.

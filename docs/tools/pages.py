@@ -148,11 +148,13 @@ def registers_table(dense: bool = False) -> str:
 
 
 SECTIONS = {
-    "Boards": "open_board Board BoardError Identification FULL TINY Config",
+    "Boards": "open_board Board BoardError Identification FULL DENSE TINY Config",
     "Jobs and results": "Job grid run_jobs Result Status NO_SCORE locate_peaks Peak",
+    "Dense passes": "DenseJob DensePass DenseResult",
     "Frames": "open_source Source Frame read_picture Fit",
     "Measurements": "Measurer View Query Measurement Reason Rules",
     "Flow, range, tracks": "measure_flow FlowField measure_range RangeMap Tracker TrackPoint TrackSettings",
+    "Flow and range at every pixel": "measure_dense_flow DenseFlowRules measure_dense_range DenseStereoRules",
     "Calibration": "open_lens Lens open_rig Rig Rectifier StereoGeometry read_mono read_stereo",
     "Mosaics": "Registrar Registration RegistrationLimits Similarity Survey SurveySettings",
     "Hover": "StationMeter Reading Level MavlinkSink",

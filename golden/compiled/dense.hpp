@@ -32,6 +32,7 @@ namespace {
 struct DenseRows {
   const DenseJob &job;
   int width, height, stride, window;
+  bool nibbles;                // whether a byte holds four pixels; see gather_nibbles
   std::uint8_t *left, *right;  // planes, a byte for each pixel, `stride` a row, and behind them a row of zeros
   std::uint8_t *delta;         // a row
   std::int16_t *sums;          // a row for each offset
@@ -43,11 +44,36 @@ struct DenseRows {
 
 }  // namespace
 
+// A plane with a byte for each pixel: eight at a time, from the eight bits of a byte by multiplication.
 static void spread(const Word *plane, int pitch, int width, int height, int stride, std::uint8_t *bytes) {
+  constexpr Word Each = 0x0101010101010101, Diagonal = 0x8040201008040201;
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      bytes[(std::size_t)y * stride + x] = (std::uint8_t)(plane[(std::size_t)y * pitch + (x >> 6)] >> (x & 63) & 1);
+    for (int x = 0; x < width; x += 8) {
+      const Word picked = (plane[(std::size_t)y * pitch + (x >> 6)] >> (x & 63) & 255) * Each & Diagonal;
+      const Word ones = (picked + 127 * Each) >> 7 & Each;
+      std::memcpy(bytes + (std::size_t)y * stride + x, &ones, 8);
+    }
 }
+
+#ifdef SLOG_NIBBLES
+// The bytes of single pixels become those of a pixel and the three to its left, in the bits 0 to 3.
+static void gather_nibbles(int width, int height, int stride, std::uint8_t *bytes) {
+  for (int y = 0; y < height; ++y)
+    for (int x = (width - 1) / ByteCount * ByteCount; x >= 0; x -= ByteCount) {
+      std::uint8_t *at = bytes + (std::size_t)y * stride + x;
+      const Bytes two = bytes_at(at - 2) + bytes_at(at - 3) + bytes_at(at - 3);
+      const Bytes one = bytes_at(at) + bytes_at(at - 1) + bytes_at(at - 1);
+      bytes_at(at) = one + two + two + two + two;
+    }
+}
+
+// Bits that are set in each byte, 0..15.
+static inline __attribute__((always_inline)) Bytes set_bits(Bytes nibbles) {
+  const __m256i counts = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4,  //
+                                          0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
+  return (Bytes)_mm256_shuffle_epi8(counts, (__m256i)nibbles);
+}
+#endif
 
 // Add to the sums of offset k what row y brings and row y - window, unless it is above `top`, takes away.
 static void add_row(const DenseRows &rows, int y, int top, int k) {
@@ -61,11 +87,17 @@ static void add_row(const DenseRows &rows, int y, int top, int k) {
   std::uint8_t *right_above = rows.right + (std::size_t)above_right * rows.stride - shift;
   std::uint8_t *delta = rows.delta;
   const int blocks = (last - from + ByteCount - 1) / ByteCount;
-  for (int x = from; x < from + blocks * ByteCount; x += ByteCount)
-    bytes_at(delta + x) = (bytes_at(left + x) ^ bytes_at(right + x)) -
-                           (bytes_at(left_above + x) ^ bytes_at(right_above + x));
+  int summed = rows.nibbles ? 4 : 1;
+  for (int x = from; x < from + blocks * ByteCount; x += ByteCount) {
+    const Bytes comes = bytes_at(left + x) ^ bytes_at(right + x);
+    const Bytes leaves = bytes_at(left_above + x) ^ bytes_at(right_above + x);
+#ifdef SLOG_NIBBLES
+    bytes_at(delta + x) = rows.nibbles ? set_bits(comes) - set_bits(leaves) : comes - leaves;
+#else
+    bytes_at(delta + x) = comes - leaves;
+#endif
+  }
   // From the end, as each takes what was there before; four at a time take fewer passes than two.
-  int summed = 1;
   for (; 4 * summed <= rows.window; summed *= 4)
     for (int x = from + (blocks - 1) * ByteCount; x >= from; x -= ByteCount)
       bytes_at(delta + x) = (bytes_at(delta + x) + bytes_at(delta + x - summed)) +
@@ -183,10 +215,17 @@ static bool prepare(DenseRows &rows, Scratch &scratch) {
 static int dense(const Word *left, const Word *right, int pitch, int width, int height, const DenseJob &job,
                  const DenseMaps &maps) {
   Scratch scratch;
-  DenseRows rows{job, width, height, (width + 31) / 32 * 32 + 2 * Margin, job.window, {}, {}, {}, {}, {}, {}};
+  DenseRows rows{job, width, height, (width + 31) / 32 * 32 + 2 * Margin, job.window, false, {}, {}, {}, {}, {}, {}};
   if (!prepare(rows, scratch)) return 1;
   spread(left, pitch, width, height, rows.stride, rows.left);
   spread(right, pitch, width, height, rows.stride, rows.right);
+#ifdef SLOG_NIBBLES
+  rows.nibbles = job.window >= 4;
+  if (rows.nibbles) {
+    gather_nibbles(width, height, rows.stride, rows.left);
+    gather_nibbles(width, height, rows.stride, rows.right);
+  }
+#endif
   const int top = job.down > 0 ? job.down : 0, bottom = job.down < 0 ? height + job.down : height;
   for (int y = 0; y < height; ++y) {
     if (y >= top && y < bottom)

@@ -23,7 +23,7 @@ from golden.log import kernels, sign
 from golden.params import CONFIGS, Config
 from sim.board.device import Device
 from sim.speed import workload
-from sim.speed.dense import dense_pass
+from sim.speed.dense import dense_against_opencv, dense_pass
 from sim.testbench.runner import AXI_PORTS, simulate
 from sim.toolchain import ROOT, SYNTHESIS
 
@@ -147,7 +147,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     measures: list[tuple[str, Callable[[], dict[str, Any]]]] = [
         ("frames", lambda: frame_rates(config)), ("utilisation", lambda: score_share(config)),
         ("opencv", lambda: against_opencv(figures["utilisation"]["share"])),
-        ("clock_rate", lambda: clock_rates(config)), ("dense", lambda: dense_pass(CONFIGS["dense"]))]
+        ("clock_rate", lambda: clock_rates(config)), ("dense", lambda: dense_pass(CONFIGS["dense"])),
+        ("dense_opencv", dense_against_opencv)]
     for name, measure in measures:
         figures[name] = measure()
         print(f"{name}: {json.dumps(figures[name], indent=2)}", flush=True)

@@ -14,8 +14,9 @@
   saw nothing but chance reaches 2 to 4, so do not use one below about 6.
 - Measurements: `Measurer` takes `View`s and answers each `Query` with a `Measurement`, validated by `Rules`, whose
   `valid` and `reason` must be looked at.
-- Tasks: `measure_flow`, `measure_range` (stereo), `Tracker`, `Registrar`, `Survey` (mosaics), `StationMeter` (hover)
-  and `MavlinkSink`, `Follower` (with `RangeEye` or `MotionEye`), `Localiser` in a `Chart`.
+- Tasks: `measure_flow`, `measure_range` (stereo), both at every pixel on a `DENSE` board (`measure_dense_flow`,
+  `measure_dense_range`), `Tracker`, `Registrar`, `Survey` (mosaics), `StationMeter` (hover) and `MavlinkSink`,
+  `Follower` (with `RangeEye` or `MotionEye`), `Localiser` in a `Chart`.
 - Frames: `open_source` gives a `Source` of `Frame`s; `Fit` scales them for the board; `open_lens` and `open_rig`
   open calibrations. `SignumError` and those derived from it have one line that names the remedy.
 
@@ -33,14 +34,15 @@ from signum.common.version import VERSION
 __version__ = VERSION
 
 __all__ = [
-    "DENSE", "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "DenseJob", "DensePass",
-    "DenseResult", "Fit", "FlowField", "Follower", "Frame", "Identification", "Job", "Lens", "Level",
-    "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer", "MotionEye", "Peak", "Place", "Query",
-    "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar", "Registration", "RegistrationLimits",
-    "Result", "Rig", "Rules", "SignumError", "Similarity", "Source", "SourceError", "StationMeter", "Status",
-    "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings", "Tracker", "View",
-    "grid", "locate_peaks", "measure_flow", "measure_range", "open_board", "open_lens", "open_rig", "open_source",
-    "read_mono", "read_picture", "read_stereo", "run_jobs",
+    "DENSE", "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "DenseFlowRules", "DenseJob",
+    "DensePass", "DenseResult", "DenseStereoRules", "Fit", "FlowField", "Follower", "Frame", "Identification",
+    "Job", "Lens", "Level", "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer", "MotionEye",
+    "Peak", "Place", "Query", "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar", "Registration",
+    "RegistrationLimits", "Result", "Rig", "Rules", "SignumError", "Similarity", "Source", "SourceError",
+    "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings",
+    "Tracker", "View", "grid", "locate_peaks", "measure_dense_flow", "measure_dense_range", "measure_flow",
+    "measure_range", "open_board", "open_lens", "open_rig", "open_source", "read_mono", "read_picture",
+    "read_stereo", "run_jobs",
 ]
 
 _MODULES = {
@@ -67,6 +69,8 @@ _MODULES = {
     "signum.geometry.lens": ("Lens",),
     "signum.geometry.rig": ("Rectifier", "Rig", "StereoGeometry"),
     "signum.geometry.similarity": ("Similarity",),
+    "signum.measure.dense_flow": ("DenseFlowRules", "measure_dense_flow"),
+    "signum.measure.dense_stereo": ("DenseStereoRules", "measure_dense_range"),
     "signum.measure.flow": ("FlowField", "measure_flow"),
     "signum.measure.measurer": ("Measurement", "Measurer", "Query", "View"),
     "signum.measure.peak": ("Peak", "locate_peaks"),
@@ -103,6 +107,8 @@ if TYPE_CHECKING:
     from signum.geometry.lens import Lens
     from signum.geometry.rig import Rectifier, Rig, StereoGeometry
     from signum.geometry.similarity import Similarity
+    from signum.measure.dense_flow import DenseFlowRules, measure_dense_flow
+    from signum.measure.dense_stereo import DenseStereoRules, measure_dense_range
     from signum.measure.flow import FlowField, measure_flow
     from signum.measure.measurer import Measurement, Measurer, Query, View
     from signum.measure.peak import Peak, locate_peaks

@@ -8,6 +8,7 @@ Results are those of the RTL, bit for bit. Clocks are an estimate of what the RT
   lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
   Operands load at one store word a clock while the previous job is scored, so a job lasts at least as long as its words
   take to load;
+- pass of the dense engine: the rows up to the last one that is answered, see `dense_clocks`;
 - register accesses are not counted.
 """
 
@@ -57,6 +58,14 @@ def job_clocks(jobs: IntTable, config: Config) -> NDArray[np.int64]:
     words = -(-(width + nx - 1) // config.group_bits) + 1
     load = words * (height + ny - 1) + (-(-width // config.group_bits) + 1) * height
     return np.asarray(np.maximum(row * ny, load), np.int64)
+
+
+def dense_clocks(job: DenseJob, config: Config, size: tuple[int, int]) -> int:
+    """Estimated clocks of an accepted pass over planes of `size` (width, height): its rows, and the engine's depth."""
+    (width, height), step = size, job.step[1]
+    rows = (-(-height // step) - 1) * step + 1
+    pitch = max(width + 2 * config.dense_lanes + 1, config.dense_offsets + config.group_bits + 8)
+    return rows * pitch + 4 * config.dense_offsets + PIPELINE_CLOCKS
 
 
 class GoldenBoard(Board):
@@ -150,11 +159,14 @@ class GoldenBoard(Board):
         return table_results(found, [job.tag])[0], surface
 
     def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
-        if not self._kernel:
-            return run_dense(job, self._planes, self.config, self.image_size)
-        status = check_job(job, self.config, self.image_size, self._packed)
+        status = check_job(job, self.config, self.image_size, self._packed if self._kernel else self._planes)
         if status is not DenseStatus.OK:
             return status, None
+        clocks = dense_clocks(job, self.config, self.image_size)
+        self._clocks += clocks
+        self._counts["busy_clocks"] += clocks
+        if not self._kernel:
+            return run_dense(job, self._planes, self.config, self.image_size)
         return status, self._kernel.dense(self._packed[job.left], self._packed[job.right], self.image_size[0], job)
 
     def _run_table(self, jobs: IntTable) -> IntTable:

@@ -27,6 +27,7 @@ from signum.commands.options import (
     MavlinkOption,
     OutOption,
     SourceArgument,
+    tell_defaults,
 )
 from signum.commands.session import Session
 from signum.common.errors import SignumError
@@ -120,6 +121,8 @@ def flow(
     """
     shares: list[float] = []
     draw, config, step = draw_wheel_flow if search.dense else draw_flow, DENSE if search.dense else FULL, search.grid
+    tell_defaults({"sigma": (search.sigma, search.chosen.sigma), "window": (search.window, search.chosen.window),
+                   "step": (search.step, step)})
     with Session("flow", search.chosen, output, source, calibration, lens.rate, config) as run:
         teller = FlowTeller(run, run.open(FlowSink(mavlink)) if mavlink is not None else None, lens, calibration)
         fit, measurer = run.fit, run.measurer(run.fit.board)

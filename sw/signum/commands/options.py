@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,6 +18,12 @@ SOURCE, BOARD, OUTPUT, SIMULATION, AUTOPILOT = "Source", "Board", "Output", "Sim
 """Groups of options that several commands have."""
 GIVEN: ContextVar[str] = ContextVar("options", default="")
 """The options of the command at work as its command line takes them, with the defaults of those that were not given."""
+
+
+def tell_defaults(options: Mapping[str, tuple[object, object]]) -> None:
+    """Add to GIVEN the options that were not given, with what is taken for them: by name (given, taken)."""
+    told = " ".join(f"--{name} {taken}" for name, (given, taken) in options.items() if given is None)
+    GIVEN.set(f"{GIVEN.get()} {told}".strip())
 
 
 class BoardName(StrEnum):

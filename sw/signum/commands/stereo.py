@@ -19,7 +19,16 @@ from golden.params import DENSE, FULL
 from signum.applications.mavlink.distance import DistanceSink
 from signum.commands.app import command
 from signum.commands.autopilot import InStep
-from signum.commands.options import AUTOPILOT, SOURCE, BoardOptions, DenseOption, MavlinkOption, OutOption, PairOption
+from signum.commands.options import (
+    AUTOPILOT,
+    SOURCE,
+    BoardOptions,
+    DenseOption,
+    MavlinkOption,
+    OutOption,
+    PairOption,
+    tell_defaults,
+)
 from signum.commands.outputs import identity
 from signum.commands.session import Session
 from signum.common.arrays import Image
@@ -156,6 +165,7 @@ def stereo(
     if told.mavlink is not None and calibration is None:
         raise SourceError("--mavlink: without a --calibration there is no range to send")
     shares: list[float] = []
+    tell_defaults({"step": (search.step, search.grid)})
     session = Session("stereo", board, output, left, rate=told.rate, config=DENSE if search.dense else FULL)
     other = open_source(right)
     session.name += f" and {identity(right)}"

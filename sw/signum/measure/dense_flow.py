@@ -34,7 +34,8 @@ class DenseFlowRules:
         min_score: least score of a measurement that counts.
         most_lean: largest shift of the best from its row to the next, pixels: along an edge it moves, but a best
             place further away is another one.
-        sure_score, sure_margin: score, and its distance from the rest, of measurements that are not overruled.
+        sure_score: least score of measurements that are not overruled.
+        sure_margin: least distance of such a score from the rest.
         neighbourhood: how far the windows around a place are asked, windows.
         consensus: how they agree.
     """

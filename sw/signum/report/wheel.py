@@ -12,6 +12,8 @@ from signum.report.ranges import cells_of
 
 WHEEL = 88
 """Side of the colour wheel in the corner, pixels."""
+LINE = 14
+"""Height of the line below it, pixels."""
 ARROWS = 28
 """Pixels between two arrows, about."""
 STRENGTH = 0.7
@@ -69,12 +71,13 @@ def _draw_arrows(out: Image, field: FlowField, magnify: float) -> None:
 
 
 def _draw_legend(out: Image, full: float) -> None:
-    """The wheel in the lower right corner, with the displacement at its rim in pixels."""
-    side = min(WHEEL, *out.shape[:2])
-    corner = out[-side:, -side:]
-    y, x = (np.mgrid[:side, :side] - (side - 1) / 2) / (0.42 * side)
+    """The wheel in the lower right corner, on white, and below it the displacement at its rim in pixels."""
+    side = min(WHEEL, *(size // 4 for size in out.shape[:2]))
+    corner, words = out[-side - LINE:, -side:], f"{full:.2g} px"
+    corner[:] = 255
+    y, x = (np.mgrid[:side, :side] - (side - 1) / 2) / (0.46 * side)
     disc = np.hypot(x, y) <= 1
-    corner[np.hypot(x, y) <= 1.12] = 255
-    corner[disc] = wheel_colours(x[disc], y[disc])[0]
-    cv2.putText(corner, f"{full:.2g} px", (4, side - 4), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (0, 0, 0), 3, cv2.LINE_AA)
-    cv2.putText(corner, f"{full:.2g} px", (4, side - 4), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1, cv2.LINE_AA)
+    corner[:side][disc] = wheel_colours(x[disc], y[disc])[0]
+    width = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, 0.4, 1)[0][0]
+    cv2.putText(corner, words, (max((side - width) // 2, 0), side + LINE - 4), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (0, 0, 0),
+                1, cv2.LINE_AA)

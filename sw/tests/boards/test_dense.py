@@ -10,10 +10,10 @@ from golden.compiled.calls import CHOICE, NUMPY
 from golden.correlate import Job
 from golden.dense import DensePass
 from golden.dense_job import DenseJob, run_dense
-from golden.params import TINY, TINY_DENSE
+from golden.params import DENSE, TINY, TINY_DENSE
 from golden.tables import jobs_table
 from signum.boards.board import BoardError, run_table
-from signum.boards.golden import GoldenBoard
+from signum.boards.golden import GoldenBoard, dense_clocks
 
 JOB = DenseJob(0, 1, DensePass(8, 12, -4, 2), step=(2, 3), most=30, margin=2, check=True)
 
@@ -37,6 +37,23 @@ def test_every_pixel_finds_the_shift(board: GoldenBoard) -> None:
     for name, values in vars(expected).items():
         assert np.array_equal(values, getattr(result, name)), name
         assert values.dtype == getattr(result, name).dtype
+
+
+def test_clocks_of_a_pass() -> None:
+    """One pixel a clock but for the gap between rows: 95 % of the clocks and more yield a pixel."""
+    clocks = dense_clocks(DenseJob(0, 1, DensePass(32, 128)), DENSE, (640, 480))
+    assert 640 * 480 <= clocks <= 640 * 480 / 0.95
+    assert dense_clocks(DenseJob(0, 1, DensePass(32, 128), step=(1, 4)), DENSE, (640, 480)) < clocks
+
+
+def test_a_pass_is_counted_and_a_refused_one_is_not(board: GoldenBoard) -> None:
+    before = board.clocks, board.counters()["busy_clocks"]
+    board.dense(JOB)
+    taken = dense_clocks(JOB, TINY_DENSE, (48, 36))
+    assert (board.clocks, board.counters()["busy_clocks"]) == (before[0] + taken, before[1] + taken)
+    with pytest.raises(BoardError, match="BAD_SLOT"):
+        board.dense(replace(JOB, right=2))
+    assert board.clocks == before[0] + taken
 
 
 @pytest.mark.parametrize(("change", "message"), [

@@ -223,7 +223,8 @@ class StationMeter:
                  sides: tuple[int, ...], share: float = 0.0) -> Match:
         """Search for windows where `onto` expects them in a live view, and again with what they agree on, where few do;
         for larger ones where the smaller are not sure, fewer of them agree than `share` of those due, or leave the
-        rotation uncertain. Smaller ones are compared with the reference's twins last: they are less exact there."""
+        rotation uncertain. After a search of the whole view, smaller ones are compared with the reference's twins, too,
+        if nothing else is sure: they are less exact there than larger ones, but a narrow overlap holds few of those."""
         best, likely = Match(0), Match(0)
         for side in sides:
             twins = side == self._sides[-1]
@@ -239,7 +240,7 @@ class StationMeter:
                 best = match
             if best.sure and best.turn_error <= TURN_ERROR:
                 break
-        if likely.likely and not best.sure:
+        if share and likely.likely and not best.sure:
             near = self.camera.onto(likely.similarity, reference.level, level)
             match = self._matcher.match(reference, reference.turn_to(near, sides[0]), near, live, level, self.reach)
             exact = max(match.turn_error, match.shift_error / self.focal) <= EXACT

@@ -46,8 +46,8 @@ PARALLAX = 0.01
 WIDENED = 6
 """Steps in which the scale of the robust weights comes down from 2 to this power."""
 CONVEX = 0.5
-"""Misfit, of that at which an edge has a quarter of its weight, below which the weights begin narrow if no edge is above
-it: the cost is convex there (up to 0.577), so there is one solution, and none to be kept away from."""
+"""Misfit, of that at which an edge has a quarter of its weight, below which the weights begin narrow if no edge is
+above it: the cost is convex there (up to 0.577), so there is one solution, and none to be kept away from."""
 MOST_STEPS = 40
 """Most Gauss-Newton steps."""
 CONVERGED = 1e-3

@@ -36,7 +36,9 @@ def sections(folder: Path) -> list[Section]:
     axes[1].plot(shares, color="tab:green")
     axes[1].set(ylabel="share valid", xlabel="pair of frames", ylim=(0, 1.02))
     about = ("Every arrow is the displacement of one window to the next frame, drawn twice as long; a cross is a "
-             "measurement that was refused.")
+             "measurement that was refused. Of a run with --dense the hue is the direction and its strength the "
+             "length, as the wheel in the corner shows; where the picture is grey, no measurement had support enough "
+             "around it.")
     shown = [*pictures(folder, "flow_*.png"), film(folder / "flow.mp4")]
     return [Section("Flow fields", paragraph(about) + row([s for s in shown if s])),
             Section("Motion of the picture", row([plot(fig, "median of the valid windows, pair by pair")])

@@ -34,7 +34,9 @@ def sections(folder: Path) -> list[Section]:
     ax.set(xlabel=unit, ylabel="windows")
     about = ("Colour is " + ("range in metres" if known else "disparity in pixels of the board's picture")
              + "; where the grey picture shows, no measurement passed its checks: texture, margin over the second "
-             "best, the search from right to left, and agreement with a window twice as large.")
+             "best, the search from right to left, and agreement with a window twice as large. A run "
+             "with --dense measures every pixel; the table and the figures below have every eighth one across and "
+             "down.")
     heads = "frame", "windows valid", f"{unit}: 5th percentile", "median", "95th percentile"
     return [Section("Range maps", paragraph(about) + row(pictures(folder, "range*.png"))),
             Section("Measurements", row([plot(fig, "all valid windows")]) + table(heads, lines))]

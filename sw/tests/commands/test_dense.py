@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`signum stereo --dense` and `signum flow --dense`: files, tables, reports, and what is refused in one line."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+from typer.testing import CliRunner, Result
+
+from signum.commands.cli import application
+from signum.common.files import write_picture
+from signum.frames.frame import read_picture
+from signum.measure.flow import FlowField
+from signum.report.wheel import draw_wheel_flow, wheel_colours
+
+app = application()
+SCENE = cv2.GaussianBlur(np.random.default_rng(1).integers(0, 256, (110, 180), dtype=np.uint8), (0, 0), 0.8)
+
+
+def _run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def _pair(folder: Path, across: int, down: int) -> tuple[Path, Path]:
+    """Two pictures; what the first shows lies that much further right and down in the second."""
+    for k in (0, 1):
+        write_picture(folder / f"{k}.png", SCENE[8 - k * down:104 - k * down, 12 - k * across:168 - k * across].copy())
+    return folder / "0.png", folder / "1.png"
+
+
+def _rig(path: Path) -> Path:
+    k = np.array([[150.0, 0, 77.5], [0, 150.0, 47.5], [0, 0, 1]])
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    entries: dict[str, Any] = {"image_width": 156, "image_height": 96, "K1": k, "K2": k, "D1": np.zeros(5),
+                               "D2": np.zeros(5), "R": np.eye(3), "T": np.array([[-0.1], [0.0], [0.0]])}
+    for name, value in entries.items():
+        storage.write(name, value)
+    storage.release()
+    return path
+
+
+def test_a_range_at_every_pixel(tmp_path: Path) -> None:
+    left, right = _pair(tmp_path, -5, 0)
+    result = _run("stereo", left, right, "--dense", "--calibration", _rig(tmp_path / "rig.yaml"), "--most", "20",
+                  "--out", tmp_path / "out")
+    assert result.exit_code == 0 and "% of the pixels valid" in result.output, result.output
+    grid = tifffile.imread(tmp_path / "out" / "range.tiff")
+    assert grid.shape == (96, 156) and np.nanmedian(grid) == pytest.approx(150 * 0.1 / 5, abs=0.02)
+    points = int((tmp_path / "out" / "points.ply").read_text().splitlines()[2].split()[-1])
+    assert points == np.isfinite(grid).sum() > 0.6 * grid.size
+    rows = _rows(tmp_path / "out" / "disparity.csv")
+    assert len(rows) == (-(-96 // 8)) * (-(-156 // 8)) and {float(r["x_px"]) % 8 for r in rows} == {0.0}
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "--dense" in page and "--step 1" in page and "every pixel" in page
+
+
+def test_a_field_in_colours(tmp_path: Path) -> None:
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    _pair(folder, 4, -2)
+    result = _run("flow", folder, "--dense", "--step", "4", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    rows = [r for r in _rows(tmp_path / "out" / "flow.csv") if r["valid"] == "1"]
+    assert len(rows) > 400
+    assert np.median([float(r["dx_px"]) for r in rows]) == pytest.approx(4, abs=0.05)
+    assert np.median([float(r["dy_px"]) for r in rows]) == pytest.approx(-2, abs=0.05)
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "--window 32" in page and "--sigma 1.5" in page and "hue" in page
+    assert (tmp_path / "out" / "flow_0.png").exists()
+
+
+@pytest.mark.parametrize(("command", "options", "says"), [
+    ("flow", ("--dense", "--window", "64"), "--window 64: with --dense choose one of 8, 16, 32"),
+    ("stereo", ("--dense", "--window", "20"), "--window 20: with --dense choose one of 8, 16, 32"),
+    ("flow", ("--step", "2"), "--step 2: choose 4 or more, or --dense")])
+def test_what_does_not_go_together_is_one_line(tmp_path: Path, command: str, options: tuple[str, ...], says: str
+                                               ) -> None:
+    left, right = _pair(tmp_path, -5, 0)
+    result = _run(command, left, *([right] if command == "stereo" else []), *options, "--out", tmp_path / "out")
+    assert result.exit_code == 1 and result.stderr == f"signum: {says}\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_colours_of_the_wheel_and_of_a_field(tmp_path: Path) -> None:
+    colours, strength = wheel_colours(np.array([1.0, 0, -1, 0, 0, 5]), np.array([0.0, 1, 0, -1, 0, 0]))
+    assert colours[0].tolist() == colours[5].tolist() == [0, 0, 255], "right is red"
+    assert colours[2].tolist() == [255, 255, 0], "left is cyan" and strength.tolist() == [1, 1, 1, 1, 0, 1]
+    assert colours[4].tolist() == [255, 255, 255], "rest is white"
+    x, y = np.arange(20.0, 140, 8), np.arange(20.0, 80, 8)
+    dx = np.full((y.size, x.size), 3.0)
+    dx[:, :4] = np.nan
+    frame = read_picture(_pair(tmp_path, 0, 0)[0])
+    shown = draw_wheel_flow(frame, FlowField(x, y, dx, 0 * dx, 1 + 0 * dx))
+    assert shown.shape == (96, 156, 3)
+    assert (shown[40, 18:44].std(axis=-1) == 0).mean() > 0.8, "grey where nothing is valid"
+    assert (shown[24:30, 60:100, 2].astype(int) - shown[24:30, 60:100, 0] > 80).mean() > 0.8
