@@ -41,8 +41,11 @@ class _Maps:
             self._choose(height)
             for _ in range(self.rng.randint(1, 4)):
                 yield from self._clock(clear_i=1, valid_i=self.rng.getrandbits(1))
-            yield from self._rows(self.rng.randrange(height) if early else height)
-            if cut:
+            yield from self._rows(self.rng.randrange(height) if early or cut else height)
+            if cut:  # before the last pixel of a row
+                yield from self._drain()
+                for _ in range(self.fixed["image_width_i"] - 1):
+                    yield from self._clock(valid_i=1)
                 yield from self._clock(rst_i=1)
                 self.held = 0
             elif early:

@@ -57,7 +57,7 @@ class Start:
 
 
 @dataclass
-class Outcome:
+class PassOutcome:
     """What came of a start: map words with their first and last flags, status, clocks, and pulses counted."""
 
     words: list[tuple[int, int, int]] = field(default_factory=list)
@@ -96,7 +96,7 @@ def expected(start: Start, config: Config) -> tuple[DenseStatus, list[list[int]]
     return status, map_words(judge(dense(start.planes[slots[0]], start.planes[slots[1]], one.search), one))
 
 
-def verify(start: Start, outcome: Outcome, config: Config) -> bool:
+def verify(start: Start, outcome: PassOutcome, config: Config) -> bool:
     """Whether the map of a start that was not reset ended early.
 
     Raises:
@@ -169,7 +169,7 @@ class DenseBlockTraffic:
     starts: list[Start]
     config: Config
     rng: random.Random
-    outcomes: list[Outcome] = field(default_factory=list)
+    outcomes: list[PassOutcome] = field(default_factory=list)
     pushed: int = 0
 
     def __post_init__(self) -> None:
@@ -180,7 +180,7 @@ class DenseBlockTraffic:
         """Every start in turn, and a few clocks after it."""
         for start in self.starts:
             self._fill(start)
-            self.outcomes.append(outcome := Outcome())
+            self.outcomes.append(outcome := PassOutcome())
             valid = sum(1 << slot for slot in start.planes)
             first = {"start_i": 1, "job_i": pack_start(start.job), "image_width_i": start.size[0],
                      "image_height_i": start.size[1], "slot_valid_i": valid}
@@ -220,7 +220,7 @@ class DenseBlockTraffic:
                 "map_tready_i": self.rng.getrandbits(1)}
 
     @staticmethod
-    def _observe(outcome: Outcome, now: Inputs, out: Outputs) -> None:
+    def _observe(outcome: PassOutcome, now: Inputs, out: Outputs) -> None:
         """Count, and take a word of the map."""
         outcome.clocks += 1
         outcome.rows += or_zero(out["row_o"])

@@ -46,6 +46,7 @@ module slog_dense_plan
 );
   localparam int unsigned BitW   = $clog2(Width);
   localparam int unsigned Settle = 8;
+  localparam int unsigned LeastPitch = Offsets + Width + 8;
   typedef logic signed [11:0] span_t;
 
   // First word of each slot.
@@ -82,7 +83,8 @@ module slog_dense_plan
   logic [9:0] mask_q;
   logic [15:0] above_q;
   logic signed [10:0] before_q;
-  span_t end_q, ahead_q;
+  logic signed [9:0] ahead_q;
+  span_t end_q;
   logic [9:0] first_q, count_q;
   logic [10:0] row_q, pitch_q;
   logic [9:0] left_delay_q, right_delay_q, column, skip;
@@ -109,14 +111,14 @@ module slog_dense_plan
     before_q <= -11'(job_i.start) - 11'(Offsets - 1);
     first_q  <= before_q[10] ? '0 : before_q[9:0];
     end_q    <= span_t'({2'b00, image_width_i}) - (job_i.start[9] ? '0 : span_t'(job_i.start));
-    ahead_q  <= span_t'(job_i.start) + span_t'({2'b00, column});
-    count_q  <= 10'(end_q - span_t'({2'b00, column}));
+    ahead_q  <= job_i.start + signed'(column);
+    count_q  <= end_q[9:0] - column;
     meets_q  <= is_below(first_q, end_q);
-    left_delay_q  <= ahead_q[11] ? 10'(-ahead_q) : '0;
-    right_delay_q <= ahead_q[11] ? '0 : ahead_q[9:0];
+    left_delay_q  <= ahead_q[9] ? -ahead_q : '0;
+    right_delay_q <= ahead_q[9] ? '0 : ahead_q;
     row_q    <= 11'(image_width_i) + 11'(2 * Lanes + 1);
-    long_q   <= is_above(32'(row_q), Offsets + Width + 8);
-    pitch_q  <= long_q ? row_q : 11'(Offsets + Width + 8);
+    long_q   <= is_above(32'(row_q), LeastPitch);
+    pitch_q  <= long_q ? row_q : 11'(LeastPitch);
   end
 
   // What takes as long as it is large: rows down, words of a row.

@@ -41,7 +41,7 @@ module slog_dense_stream
     output logic                        incoming_o,
     output logic                        leaving_o,
     output logic [      1:0]            ok_o,
-    output logic                        busy_o       // a row is under way; it begins 1 clock after start_i
+    output logic                        busy_o       // a row of two columns or more is under way
 );
   localparam int unsigned Ahead = 17;
   localparam int unsigned BitW  = $clog2(Width);
@@ -59,7 +59,8 @@ module slog_dense_stream
   logic [BitW-1:0] bit_q;               // of the column in its word
   logic begins_q;                       // bit_q == 0
   logic [9:0] after_q;                  // column + 1
-  logic [10:0] skip_q, left_q;          // columns to skip, less one; columns after this one, less one: negative at last
+  logic [BitW:0] skip_q;                // columns to skip, less one: negative when none is left
+  logic [10:0] left_q;                  // columns after this one, less one: negative at the last
   logic skips, last;
   logic [1:0] ok_q, has_q, want_q;
   logic [1:0][AddrW-1:0] addr_q;
@@ -71,7 +72,7 @@ module slog_dense_stream
   logic [1:0] ok_q2;
 
   assign now   = token_q[Ahead-1];
-  assign skips = !skip_q[10];
+  assign skips = !skip_q[BitW];
   assign last  = left_q[10];
   always_comb for (int unsigned n = 0; n < Ahead; n++) under_way[n] = token_q[n].run;
 
@@ -89,7 +90,7 @@ module slog_dense_stream
         want_q[n] <= (run_q && begins_q && has_q[n]) || (want_q[n] && !grant_i[n]);
       end
       valid_q <= now.run && now.sent;
-      busy_q  <= start_i || run_q || token_q[0].run || some_q;
+      busy_q  <= start_i || run_q || some_q;
       some_q  <= under_way != '0;
       token_q[0].run <= run_q;
       for (int unsigned n = 1; n < Ahead; n++) token_q[n].run <= token_q[n-1].run;
@@ -102,7 +103,7 @@ module slog_dense_stream
       bit_q    <= '0;
       begins_q <= 1'b1;
       after_q  <= row_i.column + 1'b1;
-      skip_q   <= 11'(row_i.skip) - 11'd1;
+      skip_q   <= (BitW + 1)'(row_i.skip) - 1'b1;
       left_q   <= 11'(row_i.count) - 11'd2;
       ok_q     <= row_i.ok;
       has_q    <= {row_i.has_leaving, row_i.has_incoming};
@@ -146,7 +147,8 @@ module slog_dense_stream
 
   `SLOG_ASSERT_INIT(SlogDenseStreamWidth, Width == 2 ** BitW && Width >= 4 && AddrW <= 16)
   `SLOG_ASSERT(SlogDenseStreamApart, !(start_i && (run_q || want_q != '0)))
-  `SLOG_ASSERT(SlogDenseStreamRow, !start_i || (row_i.count > row_i.skip && 32'(row_i.column) % Width == 0))
+  `SLOG_ASSERT(SlogDenseStreamRow, !start_i || (row_i.count > row_i.skip && 32'(row_i.column) % Width == 0 &&
+               32'(row_i.skip) < Width))
   `SLOG_ASSERT(SlogDenseStreamBegins, !run_q || begins_q == (bit_q == '0))
   `SLOG_ASSERT(SlogDenseStreamGrant, (grant_i & ~want_q) == '0)
 `ifndef SYNTHESIS

@@ -19,7 +19,7 @@ def project_files() -> list[Path]:
                                 check=True, capture_output=True, text=True).stdout.split("\0")
     except (FileNotFoundError, subprocess.CalledProcessError):
         return walked_files()
-    return [path for name in sorted(filter(None, listed)) if (path := ROOT / name).is_file()]
+    return sorted(path for name in filter(None, listed) if (path := ROOT / name).is_file())
 
 
 def walked_files() -> list[Path]:

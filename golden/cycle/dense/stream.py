@@ -66,7 +66,7 @@ class DenseStreamModel:
         out = self.out
         now = self.columns.pop()
         under_way = now is not None or any(self.columns)
-        begun = bool(i["start_i"]) or self.at is not None or self.columns[0] is not None
+        begun = bool(i["start_i"]) or self.at is not None
         self.busy, self.some = int(begun or self.some), under_way
         for n in range(2):
             if now and now.load:
