@@ -57,6 +57,7 @@ DEFECTS: dict[str, Defect] = {
     "running_max": Defect("peak/slog_running_max.sv", "32'({max_q[1], index_q[0]}), 32'({max_q[0], index_q[1]})",
                           "32'({max_q[1], index_q[1]}), 32'({max_q[0], index_q[0]})"),
     "walker": Defect("correlator/slog_walker.sv", "row_q.wide || more_q || !row_q.odd", "row_q.wide || more_q"),
+    "walker_full": Defect("correlator/slog_walker.sv", "again_q ? 6'(Pitch) : row_q.last_lanes", "row_q.last_lanes"),
     "sequencer": Defect("correlator/slog_sequencer.sv", "= rows_written_i - need_q;",
                         "= rows_written_i - need_q + 1'b1;"),
     "popcount": Defect("array/slog_popcount.sv", "assign extra_o = g_late[Levels].rest;",

@@ -70,6 +70,8 @@ ITEMS = (
     GateItem("dense_check", "dense/test_check.py"),
     GateItem("dense_out", "dense/test_out.py"),
     GateItem("dense_block", "dense/test_block.py"),
+    GateItem("dense_control", "control/test_dense_control.py"),
+    GateItem("dense_board", "test_dense_board.py"),
     GateItem("correlator", "correlator/test_correlator.py"),
     GateItem("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
     GateItem("board_races", "test_board_races.py"),
