@@ -9,7 +9,8 @@
 // Latency    : words_i to room_o 1 clock; reserve_i and taken_i to room_o and empty_o 2 clocks.
 // Throughput : one word taken per clock.
 // Rules      : reserve_i only with empty_o, or where room_o is of the present words_i: 1 clock or more after words_i has
-//              changed. 2 clocks or more lie from one reserve_i to the next. No word is taken that was not reserved. words_i is Depth at most.
+//              changed. 2 clocks or more lie from one reserve_i to the next. words_i is Depth at most then. No word is
+//              taken that was not reserved.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_room #(
@@ -40,5 +41,5 @@ module slog_dense_room #(
   `SLOG_ASSERT(SlogDenseRoomReserve, !reserve_i || FreeW'(words_i) <= free_q)
   `SLOG_ASSERT(SlogDenseRoomTaken, !taken_i || free_q != FreeW'(Depth))
   `SLOG_ASSERT(SlogDenseRoomFree, free_q <= FreeW'(Depth))
-  `SLOG_ASSERT(SlogDenseRoomWords, 32'(words_i) <= Depth)
+  `SLOG_ASSERT(SlogDenseRoomWords, !reserve_i || 32'(words_i) <= Depth)
 endmodule : slog_dense_room

@@ -25,13 +25,13 @@ module slog_rules_dense_room #(
     if (rst_i) owed_q <= 0;
     else owed_q <= owed_q + (reserve_i ? 32'(words_i) : 0) - 32'(taken_i);
     if (!rst_i) begin
-      AssumeWords : assume (32'(words_i) <= Depth);
+      AssumeWords : assume (!reserve_i || 32'(words_i) <= Depth);
       AssumeReserve : assume (!reserve_i || (ready_q && !reserve_q && (empty_o || (room_o && words_i == words_q))));
       AssumeTakenWasReserved : assume (!(taken_i && owed_q == 0));
       RulesDenseRoomNoOverflow : assert (owed_q <= Depth);
       RulesDenseRoomFree : assert (32'(free_q) + owed_q == Depth);
       RulesDenseRoomEmpty : assert (!ready_q || !empty_o || before_q == 0);
-      RulesDenseRoomRoom : assert (!ready_q || room_o == (before_q + 32'(words_q) <= Depth));
+      RulesDenseRoomRoom : assert (!ready_q || 32'(words_q) > Depth || room_o == (before_q + 32'(words_q) <= Depth));
       CoverFull : cover (owed_q == Depth);
       CoverReserveAtLimit : cover (reserve_i && owed_q != 0 && owed_q + 32'(words_i) == Depth);
       CoverEmptyAgain : cover (empty_o && before_q == 0 && reserve_i);

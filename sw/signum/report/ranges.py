@@ -70,4 +70,5 @@ def _colours(shares: Floats, sign: float) -> Image:
     """Blue (0) to red (1), or the other way round for a negative sign; uint8 (n, 3)."""
     shares = np.clip(shares, 0.0, 1.0)
     levels = np.rint(255 * (shares if sign > 0 else 1 - shares)).astype(np.uint8)
-    return np.asarray(cv2.applyColorMap(levels[:, None], cv2.COLORMAP_TURBO)[:, 0], np.uint8).reshape(-1, 3)
+    table = np.asarray(cv2.applyColorMap(np.arange(256, dtype=np.uint8)[:, None], cv2.COLORMAP_TURBO), np.uint8)
+    return table[levels, 0]
