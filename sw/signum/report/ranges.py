@@ -71,4 +71,4 @@ def _colours(shares: Floats, sign: float) -> Image:
     shares = np.clip(shares, 0.0, 1.0)
     levels = np.rint(255 * (shares if sign > 0 else 1 - shares)).astype(np.uint8)
     table = np.asarray(cv2.applyColorMap(np.arange(256, dtype=np.uint8)[:, None], cv2.COLORMAP_TURBO), np.uint8)
-    return table[levels, 0]
+    return np.asarray(table[levels, 0], np.uint8)
