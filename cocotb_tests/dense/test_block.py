@@ -10,7 +10,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.drive import drive
 from golden.correlate import Plane
 from golden.cycle.dense.block import DenseBlockModel
-from golden.cycle.dense.structs import NO_SUM
+from golden.cycle.dense.structs import CANCELLED, NO_SUM, OK
 from golden.params import TINY_DENSE
 from golden.traffic.dense_block import DenseBlockTraffic, Start, any_job, bad_job, build_of, verify
 from golden.traffic.stalls import SHAPES
@@ -96,9 +96,13 @@ async def maps(dut) -> None:
     starts += [_ended(_any(rng), rng, how) for how in ("cancel", "reset") for _ in range(8)]
     rng.shuffle(starts)
     starts += [_start(rng, (48, 36), start=start) for start in (-16, 0, 40)]
+    # A cancel before the first row, and one after the only row that has words.
+    starts += [Start(start.job, start.planes, start.size, cancel=clocks)
+               for start, clocks in ((_start(rng, (20, 12)), 20), (_start(rng, (20, 30), step_y=40), 150))]
     traffic = DenseBlockTraffic(starts, TINY_DENSE, rng)
     await drive(dut, DenseBlockModel.INPUTS, DenseBlockModel.OUTPUTS, traffic.stimulus())
-    assert 0 < _check(traffic) < 8
+    assert 0 < _check(traffic) < 10
+    assert [outcome.status for outcome in traffic.outcomes[-2:]] == [CANCELLED, OK]
     assert traffic.pushed > 50
     assert sum(outcome.stalls for outcome in traffic.outcomes) > 100
 
