@@ -108,6 +108,20 @@ async def maps(dut) -> None:
 
 
 @cocotb.test()
+async def resets(dut) -> None:
+    """A reset of one clock in every clock of two rows; the pass after it is whole."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    easy = Start(EASY, _planes(rng, (16, 8), EASY), (16, 8))
+    begin, pitch = 3 * 16 + 16 + 23, 16 + 2 * 8 + 1
+    starts = [start for clocks in range(begin + pitch, begin + 3 * pitch)
+              for start in (Start(EASY, easy.planes, easy.size, reset=clocks), easy)]
+    traffic = DenseBlockTraffic(starts, TINY_DENSE, rng)
+    await drive(dut, DenseBlockModel.INPUTS, DenseBlockModel.OUTPUTS, traffic.stimulus())
+    _check(traffic)
+    assert [outcome.status for outcome in traffic.outcomes[1::2]] == [OK] * (2 * pitch)
+
+
+@cocotb.test()
 async def never_waits(dut) -> None:
     """A sink that is always ready: no row waits, whatever the offset of the planes."""
     rng = random.Random(cocotb.RANDOM_SEED)

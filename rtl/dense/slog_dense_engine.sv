@@ -20,7 +20,8 @@
 //              the right plane's pixel for offset 0 comes with the left one. In the first W rows the leaving bits are 0,
 //              in rows outside a plane all. flush_i is held before a pass for Flush clocks or more in which nothing is in a row;
 //              shrink_i and offsets_i change only then.
-// Reset      : rst_i is held for 1 clock or more; then comes a flush.
+// Reset      : rst_i is held for 1 clock or more; then comes a flush. From the reset to the flush all groups are cleared, so
+//              what is left of a row that the reset cut does not run.
 `include "slog_assert.svh"
 module slog_dense_engine
   import slog_dense_pkg::*;
@@ -62,6 +63,7 @@ module slog_dense_engine
   logic [OkLag:0][1:0] left_ok_q, right_ok_q;
   logic [3:0] ago;
   logic [Groups-1:0] flush_q;
+  logic held_q;  // a reset came, and no flush since
   logic [Offsets-1:0] used_q;
   logic [Groups:0][IndexBits:0] offsets_q;  // of each group, one after another; they change in a flush
 
@@ -77,8 +79,10 @@ module slog_dense_engine
       left_valid_q  <= 1'b0;
       right_valid_q <= 1'b0;
       flush_q       <= '1;
+      held_q        <= 1'b1;
     end else begin
-      flush_q       <= Groups'({flush_q, flush_i});
+      flush_q       <= Groups'({flush_q, flush_i || held_q});
+      held_q        <= held_q && !flush_i;
       left_valid_q  <= left_valid_i;
       right_valid_q <= right_valid_i;
     end
@@ -152,5 +156,5 @@ module slog_dense_engine
   always_ff @(posedge clk_i) flushed_q <= rst_i || !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
 `endif
   `SLOG_ASSERT(SlogDenseEngineWholeFlush, flush_i || flushed_q == '0 || 32'(flushed_q) == Flush)
-  `SLOG_ASSERT(SlogDenseEngineFlush, !flush_i || !(left_valid_i || right_valid_i))
+  `SLOG_ASSERT(SlogDenseEngineFlush, !(flush_i || held_q) || !(left_valid_i || right_valid_i))
 endmodule : slog_dense_engine

@@ -85,7 +85,7 @@ class DenseEngineModel:
         self.oks: deque[tuple[int, int]] = deque([(0, 0)] * (OK_LAG + 1))
         self.flushes: deque[int] = deque([0] * len(self.groups))
         self.valid: deque[tuple[int, int]] = deque([(0, 0)] * OUT_LAG)
-        self.used = 0
+        self.used = self.held = 0
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -107,9 +107,10 @@ class DenseEngineModel:
         self.oks.appendleft((left * i["left_ok_i"], right * i["right_ok_i"]))
         self.marks, self.first = (0 if i["rst_i"] else 2 * left + right), i["first_i"]
         self.flushes.pop()
-        self.flushes.appendleft(i["flush_i"])
+        self.flushes.appendleft(i["flush_i"] | self.held)
+        self.held &= 1 - i["flush_i"]
         if i["rst_i"]:
-            self.flushes = deque([1] * len(self.groups))
+            self.flushes, self.held = deque([1] * len(self.groups)), 1
         self.used = (1 << min(i["offsets_i"], self.offsets)) - 1
         return out
 
