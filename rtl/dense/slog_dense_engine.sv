@@ -65,7 +65,7 @@ module slog_dense_engine
   logic [Groups-1:0] flush_q;
   logic held_q;  // a reset came, and no flush since
   logic [Offsets-1:0] used_q;
-  logic [Groups:0][IndexBits:0] offsets_q;  // of each group, one after another; they change in a flush
+  logic [Groups-1:0][IndexBits:0] offsets_q;  // of each group, one after another; they change in a flush
 
   always_ff @(posedge clk_i) begin
     ago_q <= {ago_q[MaxWindow-1:0], {left_incoming_i && left_valid_i, left_leaving_i && left_valid_i,
@@ -74,7 +74,7 @@ module slog_dense_engine
     left_ok_q  <= {left_ok_q[OkLag-1:0], left_ok_i & {2{left_valid_i}}};
     right_ok_q <= {right_ok_q[OkLag-1:0], right_ok_i & {2{right_valid_i}}};
     for (int unsigned k = 0; k < Offsets; k++) used_q[k] <= k < 32'(offsets_q[k/Lanes]);
-    offsets_q <= {offsets_q[Groups-1:0], offsets_i};
+    offsets_q <= $bits(offsets_q)'({offsets_q, offsets_i});
     if (rst_i) begin
       left_valid_q  <= 1'b0;
       right_valid_q <= 1'b0;
@@ -156,5 +156,6 @@ module slog_dense_engine
   always_ff @(posedge clk_i) flushed_q <= rst_i || !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
 `endif
   `SLOG_ASSERT(SlogDenseEngineWholeFlush, flush_i || flushed_q == '0 || 32'(flushed_q) == Flush)
+  `SLOG_ASSERT(SlogDenseEngineHeld, !held_q || flush_q == '1)
   `SLOG_ASSERT(SlogDenseEngineFlush, !(flush_i || held_q) || !(left_valid_i || right_valid_i))
 endmodule : slog_dense_engine
