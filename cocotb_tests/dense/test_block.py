@@ -2,6 +2,7 @@
 """`slog_dense` against its cycle model on every clock, and its maps against the frame level."""
 
 import random
+from collections import Counter
 
 import cocotb
 import numpy as np
@@ -12,8 +13,9 @@ from golden.correlate import Plane
 from golden.cycle.dense.block import DenseBlockModel
 from golden.cycle.dense.structs import CANCELLED, NO_SUM, OK
 from golden.params import TINY_DENSE
-from golden.traffic.dense_block import DenseBlockTraffic, Start, any_job, bad_job, build_of, verify
+from golden.traffic.dense_block import DenseBlockTraffic, PassOutcome, Start, any_job, bad_job, build_of, verify
 from golden.traffic.stalls import SHAPES
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 OUT_DEPTH = 128
@@ -76,6 +78,15 @@ def _check(traffic: DenseBlockTraffic) -> int:
     return early
 
 
+def _end(start: Start, outcome: PassOutcome) -> str:
+    """How a start ended, in the words of the functional plan."""
+    if outcome.status == CANCELLED:
+        return "cancelled early"
+    if outcome.status == OK:
+        return "whole" if start.cancel is None or start.cancel > outcome.clocks else "cancelled too late"
+    return "reset" if outcome.status < 0 else "refused"
+
+
 @cocotb.test()
 async def every_clock(dut) -> None:
     """Small images, and a cancel and a reset among them."""
@@ -103,6 +114,11 @@ async def maps(dut) -> None:
     await drive(dut, DenseBlockModel.INPUTS, DenseBlockModel.OUTPUTS, traffic.stimulus())
     assert 0 < _check(traffic) < 10
     assert [outcome.status for outcome in traffic.outcomes[-2:]] == [CANCELLED, OK]
+    ends = Counter(_end(start, outcome) for start, outcome in zip(traffic.starts, traffic.outcomes, strict=True))
+    stalled = sum(outcome.stalls > 0 for outcome in traffic.outcomes)
+    windows = Counter(f"window {start.job['window']}" for start, outcome in
+                      zip(traffic.starts, traffic.outcomes, strict=True) if outcome.status == OK)
+    met("dense passes", {**ends, **windows, "start while busy": traffic.pushed, "stalled by the sink": stalled})
     assert traffic.pushed > 50
     assert sum(outcome.stalls for outcome in traffic.outcomes) > 100
 

@@ -39,6 +39,7 @@ class _Passes:
             held = {"plan_i": PLAN.pack(fields), "down_i": job["down"] & 0x3FF, "width_i": width,
                     "height_i": self.rng.randint(job["window"], job["window"] + 8)}
             rows = 3 if number == 0 else held["height_i"]
+            yield from self._clock(held)
             yield from self._clock(held, begin_i=1)
             for y in range(rows):
                 yield from self._clock(held, row_i=1)

@@ -9,22 +9,28 @@ from cocotb_tests.env.check import check_cycles
 from golden.cycle.dense.plan import DensePlanModel
 from golden.cycle.dense.structs import DENSE_JOB
 from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.dense_job import STEP_MAX, DenseStatus
 from golden.params import DENSE
 from golden.traffic.dense_block import any_job, bad_job, build_of, pack_start
+from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 JOBS = 120
+EXTREMES = {"start": (-512, 511), "down": (-512, 511), "step_x": (STEP_MAX,), "step_y": (STEP_MAX,),
+            "offsets": (1, DENSE.dense_offsets)}
 BUILD = build_of(DENSE, 2048)
 PARAMETERS = {"Width": BUILD.width, "MaxHeight": BUILD.max_height, "WordsPerRow": BUILD.words_per_row,
               "Slots": BUILD.slots, "Offsets": BUILD.offsets, "Lanes": BUILD.lanes, "MaxWindow": BUILD.max_window,
               "Sizes": BUILD.sizes}
 
 
-def _starts(rng: random.Random) -> Stimulus:
-    """Jobs of every kind, good and bad, each held until it is done, some longer, some started anew after a reset."""
+def _starts(rng: random.Random, jobs: list[dict[str, int]]) -> Stimulus:
+    """Jobs of every kind, good and bad, each held until it is done, some longer, some started anew after a reset; they
+    are appended to `jobs`."""
     for number in range(JOBS):
         size = rng.randint(34, 640), rng.choice((16, 34, 480, rng.randint(34, 480)))
         job = (bad_job if number % 3 == 0 else any_job)(rng, DENSE, size[0])
+        jobs.append(job)
         held = {"job_i": pack_start(job), "image_width_i": size[0], "image_height_i": size[1]}
         valid = rng.choice((7, 7, 255, rng.getrandbits(8)))
         out = yield {**held, "start_i": 1, "slot_valid_i": valid}
@@ -43,13 +49,18 @@ def _starts(rng: random.Random) -> Stimulus:
 @cocotb.test()
 async def every_clock(dut) -> None:
     seen: list[int] = []
+    jobs: list[dict[str, int]] = []
 
     def watch(_: Inputs, out: Outputs) -> None:
         if out["done_o"]:
             seen.append(out["status_o"])
 
-    await check_cycles(dut, DensePlanModel(BUILD), _starts(random.Random(cocotb.RANDOM_SEED)), watch)
+    await check_cycles(dut, DensePlanModel(BUILD), _starts(random.Random(cocotb.RANDOM_SEED), jobs),
+                       watch)
     assert set(seen) == set(range(5)) and seen.count(0) > JOBS // 3
+    met("dense statuses", {status.name: seen.count(status) for status in DenseStatus})
+    met("extreme dense searches", {f"{name} {value}": sum(job[name] == value for job in jobs)
+                                   for name, values in EXTREMES.items() for value in values})
 
 
 def test_plan() -> None:

@@ -59,7 +59,8 @@ module slog_filter_bank #(
   logic [CoefBits-1:0] staged_g_q[Places], staged_g2_q[Places];
   logic [Coefs-1:0] given_g_q, given_g2_q;  // [k]: coefficient k was staged since the reset; else it is 0
   coef_t coef_q[4];                         // pipeline to the memories: g's is written from [2], g2's from [3]
-  logic stage_g_q, stage_g2_q;              // coef_q[2], coef_q[3] is for that memory
+  logic for_g_q, for_g2_q;                  // coef_q[1], coef_q[2] is for that memory
+  logic stage_g_q, stage_g2_q;              // coef_q[2], coef_q[3] is
   logic [Coefs-1:0] found_g_q, found_g2_q;  // [k]: it goes to place k
   // Loading.
   logic [Coefs-1:0][CoefBits-1:0] g_q, g2_q;
@@ -93,16 +94,20 @@ module slog_filter_bank #(
   always_ff @(posedge clk_i) begin
     coef_q[0] <= '{valid: coef_valid_i, second: coef_second_i, index: coef_index_i, value: coef_value_i};
     for (int unsigned n = 1; n < 4; n++) coef_q[n] <= coef_q[n-1];
-    stage_g_q  <= coef_q[1].valid && !coef_q[1].second;
-    stage_g2_q <= coef_q[2].valid && coef_q[2].second;
+    for_g_q    <= coef_q[0].valid && !coef_q[0].second;
+    for_g2_q   <= coef_q[1].valid && coef_q[1].second;
+    stage_g_q  <= for_g_q;
+    stage_g2_q <= for_g2_q;
     for (int unsigned k = 0; k < Coefs; k++) begin
-      found_g_q[k]  <= coef_q[1].valid && !coef_q[1].second && coef_q[1].index == 5'(k);
-      found_g2_q[k] <= coef_q[2].valid && coef_q[2].second && coef_q[2].index == 5'(k);
+      found_g_q[k]  <= for_g_q && coef_q[1].index == 5'(k);
+      found_g2_q[k] <= for_g2_q && coef_q[2].index == 5'(k);
     end
     given_g_q  <= given_g_q | found_g_q;
     given_g2_q <= given_g2_q | found_g2_q;
     if (rst_i) begin
       for (int unsigned n = 0; n < 4; n++) coef_q[n].valid <= 1'b0;
+      for_g_q    <= 1'b0;
+      for_g2_q   <= 1'b0;
       stage_g_q  <= 1'b0;
       stage_g2_q <= 1'b0;
       found_g_q  <= '0;

@@ -8,7 +8,7 @@
 // 0 comes with the left one. Each begins while the other's last one may still be under way.
 //
 //   clocks after row_i
-//   2..4   rows' addresses, and whether they lie in their planes
+//   2..5   rows' addresses, and whether they lie in their planes
 //   4      the delays begin
 //   6 + d  start of slog_dense_stream, d the plane's delay: row_t counts here, with the next row_i at the latest
 //   25 + d first column at the engine
@@ -18,7 +18,8 @@
 //   11, 12 rd_data_i, data_q: StoreLatency later
 // Latency    : as above.
 // Throughput : a column of both planes per clock; the store is read in at most 4 of Width clocks.
-// Rules      : begin_i with plan_i, before the first row_i of a pass. plan_i.pitch clocks or more lie between rows.
+// Rules      : begin_i with plan_i, before the first row_i of a pass; down_i is stable from the clock before it. plan_i.pitch
+//              clocks or more lie between rows.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_feed
@@ -66,27 +67,28 @@ module slog_dense_feed
   logic [Settle-1:0] row_q;
   // What follows of them.
   logic first_q, late_q, left_ok_q, right_in_q, right_in_q2, right_above_q, right_tall_q, right_ok_q;
-  logic [9:0] y_after;
-  line_t r_after;
+  logic [9:0] y_after_q;
+  line_t r_after_q, r_first_q;
 
-  assign y_after = y_q + 1'b1;
-  assign r_after = r_q + 1'b1;
   always_ff @(posedge clk_i) begin
     if (rst_i) row_q <= '0;
     else row_q <= {row_q[Settle-2:0], row_i};
     step_q <= row_i && !fresh_q;
   end
   always_ff @(posedge clk_i) begin
+    r_first_q <= -line_t'(down_i);
+    y_after_q <= y_q + 1'b1;
+    r_after_q <= r_q + 1'b1;
     if (begin_i) begin
       y_q           <= '0;
-      r_q           <= -line_t'(down_i);
+      r_q           <= r_first_q;
       incoming_q[0] <= addr_t'(plan_i.left);
       incoming_q[1] <= addr_t'(plan_i.right);
       leaving_q[0]  <= addr_t'(plan_i.left - plan_i.above);
       leaving_q[1]  <= addr_t'(plan_i.right - plan_i.above);
     end else if (step_q) begin
-      y_q <= y_after;
-      r_q <= r_after;
+      y_q <= y_after_q;
+      r_q <= r_after_q;
       for (int unsigned n = 0; n < 2; n++) begin
         incoming_q[n] <= incoming_q[n] + addr_t'(WordsPerRow);
         leaving_q[n]  <= leaving_q[n] + addr_t'(WordsPerRow);
@@ -96,10 +98,10 @@ module slog_dense_feed
     else if (row_i) fresh_q <= 1'b0;
     first_q       <= y_q == '0;
     late_q        <= (y_q & plan_i.mask) != '0;
-    left_ok_q     <= (y_after & plan_i.mask) != '0;
+    left_ok_q     <= (y_after_q & plan_i.mask) != '0;
     right_in_q    <= !r_q[11] && r_q < line_t'({2'b00, height_i});
-    right_tall_q  <= (r_after[10:0] & {1'b1, plan_i.mask}) != '0;
-    right_ok_q    <= right_in_q && right_tall_q;
+    right_tall_q  <= (r_after_q[10:0] & {1'b1, plan_i.mask}) != '0;
+    right_ok_q    <= right_in_q2 && right_tall_q;
     right_in_q2   <= right_in_q;
     r_above_q     <= r_q + line_t'(signed'({1'b1, plan_i.mask}));
     right_above_q <= late_q && !r_above_q[11] && r_above_q < line_t'({2'b00, height_i});

@@ -127,6 +127,7 @@ module slog_dense_plan
   logic [10:0] rows_q, columns_q, last_q;       // left to go, less one: negative at the end
   logic signed [9:0] distance_q;
   logic [9:0] words_q;
+  logic [2:0] left_slot_q, right_slot_q;
   logic [15:0] lines_q, right_addr_q, left_addr_q, over_words_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -146,8 +147,10 @@ module slog_dense_plan
     distance_q   <= job_i.down[9] ? -job_i.down : job_i.down;
     bad_q        <= status_q != DenseOk;
     last_q       <= 11'(image_width_i) - 1'b1;
-    left_addr_q  <= FirstWord[job_i.left_slot];
-    over_words_q <= 16'(column >> BitW) + FirstWord[job_i.right_slot];
+    left_slot_q  <= job_i.left_slot;
+    right_slot_q <= job_i.right_slot;
+    left_addr_q  <= FirstWord[left_slot_q];
+    over_words_q <= 16'(column >> BitW) + FirstWord[right_slot_q];
     right_addr_q <= lines_q + over_words_q;
     if (start_q) begin
       rows_q    <= 11'(unsigned'(distance_q)) - 1'b1;

@@ -8,7 +8,7 @@
 //
 // Stage  registers                      clocks after column's turn
 //   0    run_q                          0: the column's turn; the first one's is 1 clock after start_i
-//   1    want_o addr_o                  1: of a word's first column; grant_i 1 to 4
+//   1    want_o addr_o                  1: of a word's first column; grant_i 1 to 4; the next address 2 clocks after it
 //   2    next_q                         up to Ahead: came_i with data_i is Answer clocks after the grant
 //   3    token_q                        1..Ahead
 //   4    hold_q and the outputs         Ahead + 1
@@ -62,7 +62,7 @@ module slog_dense_stream
   logic [BitW:0] skip_q;                // columns to skip, less one: negative when none is left
   logic [10:0] left_q;                  // columns after this one, less one: negative at the last
   logic skips, last;
-  logic [1:0] ok_q, has_q, want_q;
+  logic [1:0] ok_q, has_q, want_q, granted_q;
   logic [1:0][AddrW-1:0] addr_q;
   logic [1:0][Width-1:0] next_q, hold_q;
   token_t token_q[Ahead];
@@ -80,6 +80,7 @@ module slog_dense_stream
     if (rst_i) begin
       run_q   <= 1'b0;
       want_q  <= '0;
+      granted_q <= '0;
       valid_q <= 1'b0;
       busy_q  <= 1'b0;
       some_q  <= 1'b0;
@@ -89,6 +90,7 @@ module slog_dense_stream
       for (int unsigned n = 0; n < 2; n++) begin
         want_q[n] <= (run_q && begins_q && has_q[n]) || (want_q[n] && !grant_i[n]);
       end
+      granted_q <= grant_i;
       valid_q <= now.run && now.sent;
       busy_q  <= start_i || run_q || some_q;
       some_q  <= under_way != '0;
@@ -116,7 +118,7 @@ module slog_dense_stream
     end
     for (int unsigned n = 0; n < 2; n++) begin
       if (start_i) addr_q[n] <= AddrW'(n == 0 ? row_i.incoming : row_i.leaving);
-      else if (grant_i[n]) addr_q[n] <= addr_q[n] + 1'b1;
+      else if (granted_q[n]) addr_q[n] <= addr_q[n] + 1'b1;
       if (came_i[n]) next_q[n] <= data_i;
       hold_q[n] <= !now.load ? hold_q[n] >> 1 : now.has[n] ? next_q[n] : '0;
     end

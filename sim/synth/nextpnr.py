@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from golden.params import CONFIGS
 from sim.synth.floorplan import SITES
 from sim.synth.netlist import flat
 from sim.synth.tools import run_tool
@@ -15,6 +16,8 @@ from sim.synth.tools import run_tool
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGETS_MHZ = (152, 150.5, 146, 140, 125)
 """Targets of place and route, 150 and a margin, and the targets of routing where a higher one cannot be met."""
+DENSE_TARGETS_MHZ = (180, 176, 171, 166, 160, 150)
+"""The same of boards with the dense engine instead of the array, whose paths are shorter."""
 PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """The placer of nextpnr that weighs timing, three times as heavily as by default: a few wires across the device decide
 the clock."""
@@ -42,10 +45,15 @@ def _nextpnr(log: Path, pins: bool, mhz: float, *args: str | Path, patience: int
                 *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, patience=patience)
 
 
-def place(folder: Path, seed: int, pins: bool) -> Path:
-    """Place the netlist in `folder`; returns the file with the cells' places."""
+def targets_of(config: str) -> tuple[float, ...]:
+    """Clocks that a configuration is routed for, MHz, the highest first."""
+    return DENSE_TARGETS_MHZ if CONFIGS[config].dense_offsets else TARGETS_MHZ
+
+
+def place(folder: Path, seed: int, pins: bool, mhz: float) -> Path:
+    """Place the netlist in `folder` for a clock of `mhz`; returns the file with the cells' places."""
     placed = folder / f"placed{seed}.json"
-    _nextpnr(folder / f"seed{seed}.place.log", pins, TARGETS_MHZ[0], "--json", folder / "netlist.json",
+    _nextpnr(folder / f"seed{seed}.place.log", pins, mhz, "--json", folder / "netlist.json",
              "--seed", str(seed), *PLACER, "--no-route", "--write", placed)
     return placed
 
@@ -68,10 +76,21 @@ def pinned(design: Any) -> None:
             cell["connections"] = {pin: bits or ["x"] for pin, bits in cell["connections"].items()}
 
 
-def route(folder: Path, seed: int, pins: bool, written: Path | None = None) -> dict[str, Any]:
-    """Place and route the netlist in `folder`; returns nextpnr's report, and writes what it made to `written`."""
+def route(folder: Path, seed: int, pins: bool, targets: Sequence[float], written: Path | None = None) -> dict[str, Any]:
+    """Place the netlist in `folder` for the first of `targets`, and route it for the first of them that can be met.
+
+    Args:
+        folder: of the netlist and of what nextpnr writes.
+        seed: of the placement.
+        pins: the netlist is of a whole board, whose pins are placed.
+        targets: clocks, MHz, the highest first.
+        written: file for what nextpnr made.
+
+    Returns:
+        nextpnr's report.
+    """
     report = folder / f"seed{seed}.json"
-    placed = place(folder, seed, pins)
+    placed = place(folder, seed, pins, targets[0])
     design = json.loads(placed.read_text())
     pinned(design)
     flat(design)["settings"].update(ROUTER_SETTINGS)
@@ -79,12 +98,12 @@ def route(folder: Path, seed: int, pins: bool, written: Path | None = None) -> d
     args = ("--json", placed, "--no-pack", "--report", report,
             *(("--write", written) if written else ()))
     log = folder / f"seed{seed}.log"
-    for mhz in TARGETS_MHZ:
+    for mhz in targets:
         if _nextpnr(log, pins, mhz, *args, RIPUP, patience=PATIENCE):
             break
         print(f"  seed {seed}: {mhz} MHz not met, no better in {PATIENCE} rounds, routed again", flush=True)
     else:
-        _nextpnr(log, pins, TARGETS_MHZ[-1], *args)
+        _nextpnr(log, pins, targets[-1], *args)
     placed.unlink()
     result: dict[str, Any] = json.loads(report.read_text())
     return result

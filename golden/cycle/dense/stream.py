@@ -47,6 +47,8 @@ class DenseStreamModel:
         self.at: int | None = None
         """The column whose turn it is, from the row's first."""
         self.want = [0, 0]
+        self.granted = 0
+        """Grants of the clock before: the next addresses follow them."""
         self.columns: deque[_Column | None] = deque([None] * AHEAD)
         self.shown: _Column | None = None
         self.busy = 0
@@ -77,8 +79,10 @@ class DenseStreamModel:
                 self.came[n] = i["data_i"]
             if i["grant_i"] >> n & 1:
                 self.want[n] = 0
+            if self.granted >> n & 1:
                 address = self.addresses[n]
                 self.addresses[n] = None if address is None else address + 1 & (1 << self.addr_bits) - 1
+        self.granted = i["grant_i"] & 3
         self.shown = now
         self.columns.appendleft(self._turn(i["mask_i"]))
         if i["start_i"]:

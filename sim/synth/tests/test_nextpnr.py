@@ -30,9 +30,10 @@ def test_cells_are_placed_again_before_they_are_routed(tmp_path: Path, monkeypat
     monkeypatch.setattr(nextpnr, "run_tool", run)
     (tmp_path / "netlist.json").write_text(json.dumps(PLACED))
     written = tmp_path / "routed.json"
-    assert nextpnr.route(tmp_path, 7, True, written) == {"fmax": 1}
+    assert nextpnr.route(tmp_path, 7, True, (123, 100), written) == {"fmax": 1}
     (place, _), (route, module) = calls
     assert place[place.index("--seed") + 1] == "7" and "--no-route" in place
+    assert [words[words.index("--freq") + 1] for words in (place, route)] == ["123", "123"]
     assert "--no-pack" in route and "--no-place" not in route and route[route.index("--write") + 1] == written
     assert [cell["attributes"] for cell in module["cells"].values()] == [
         {"BEL": "X1/Y2/SLICEA.K0"}, {"BEL": "X1/Y2/EBR0"}]
