@@ -12,6 +12,7 @@ import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.host import Host, Script
+from cocotb_tests.env.offers import offers_at_every_moment
 from golden.correlate import Job, Plane, Status, grid, run, surface
 from golden.cycle.board import RESET_START, BoardModel
 from golden.log import sign
@@ -19,7 +20,6 @@ from golden.params import TINY
 from golden.traffic.peak import surface_beats
 from golden.traffic.stalls import SHAPES
 from golden.traffic.video import BAD_KINDS, bad, texture
-from sim.coverage.functional import FEW, MANY
 from sim.registers.map import address, fields, word
 from sim.testbench.runner import AXI_PORTS, simulate
 
@@ -274,37 +274,10 @@ def _accesses(h: Host) -> Generator[None, None, None]:
     _check_results(h, jobs, planes)
 
 
-def _offers_at_every_moment(h: Host) -> Script:
-    """A beat that comes at any clock of a change of filter waits for its end, a request that comes at any clock of a
-    write for the write's: for a clock, for some, for many. None is lost."""
+def _offers(h: Host) -> Script:
+    """None of the offers is lost, and frames come in afterwards."""
     yield from h.set_up(SIGMA, SIZE)
-    beats, waited = 0, [0]
-    while not (1 in waited and max(waited) >= MANY and any(FEW <= clocks < MANY for clocks in waited)):
-        assert beats < 100, f"clocks for which beats waited: {waited}"
-        before = h.stalls["video"]
-        h.master.write(address("filter"), word("filter", go=1))
-        yield from h.pause(beats)
-        h.beats[beats % 2].append((h.rng.getrandbits(8), 1, 1))  # a frame of one beat, which is dropped and counted
-        beats += 1
-        yield from h.until(lambda: not any(h.beats), "video")
-        waited.append(h.stalls["video"] - before)
-        while (yield from h.read("filter.busy")):
-            pass
-    drops = yield from h.read("counter.drops[0].value")
-    assert drops + (yield from h.read("counter.drops[1].value")) == beats
-    h.master.overlap = 2
-    for gap in range(2 * MANY):
-        values = [h.rng.getrandbits(4) for _ in range(2)]
-        for value in values:
-            h.master.write(address("irq_enable"), value)
-            yield from h.pause(gap)
-        yield from h.until(lambda: h.master.idle, "bus")
-        for _ in range(2):
-            access = h.master.read(address("irq_enable"))
-            yield from h.pause(gap)
-        yield from h.until(lambda: h.master.idle, "bus")
-        assert access.data == values[-1]
-    h.master.overlap = 1
+    yield from offers_at_every_moment(h)
     yield from _capture_pair(h, {}, (0, 1))
 
 
@@ -346,8 +319,8 @@ async def access_during_work(dut) -> None:
 
 
 @cocotb.test()
-async def offers_at_every_moment(dut) -> None:
-    await _scenario(dut, _offers_at_every_moment)
+async def offers(dut) -> None:
+    await _scenario(dut, _offers)
 
 
 @pytest.mark.slow

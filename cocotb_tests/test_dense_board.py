@@ -16,6 +16,7 @@ import pytest
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.dense_host import DenseHost
 from cocotb_tests.env.host import Script
+from cocotb_tests.env.offers import offers_at_every_moment
 from golden.correlate import Plane
 from golden.cycle.board import RESET_START
 from golden.cycle.dense.structs import CANCELLED
@@ -252,6 +253,15 @@ def _accesses(h: DenseHost) -> Script:
     yield from _pass(h, _random_job(h.rng), planes)
 
 
+def _offers(h: DenseHost) -> Script:
+    """None of the offers is lost, and a pass of new frames is right afterwards."""
+    planes: Planes = {}
+    yield from h.set_up(SIGMA, SIZE)
+    yield from offers_at_every_moment(h)
+    yield from _capture_pair(h, planes)
+    yield from _pass(h, _random_job(h.rng), planes)
+
+
 async def _scenario(dut, script: Callable[[DenseHost], Script], video: str = "none", sink: str = "none",
                     bus: str = "none") -> DenseHost:
     host = DenseHost(TINY_DENSE, random.Random(cocotb.RANDOM_SEED), video, sink, bus)
@@ -270,7 +280,7 @@ async def everyday_work(dut, video: str, sink: str, bus: str) -> None:
 
 @cocotb.test()
 async def passes_refused(dut) -> None:
-    await _scenario(dut, _refused, sink="random")
+    await _scenario(dut, _refused, sink="random", bus="long")
 
 
 @cocotb.test()
@@ -291,6 +301,11 @@ async def captures_into_busy_slots(dut) -> None:
 @cocotb.test()
 async def access_during_work(dut) -> None:
     await _scenario(dut, _accesses, video="cyclic", sink="long", bus="random")
+
+
+@cocotb.test()
+async def offers(dut) -> None:
+    await _scenario(dut, _offers)
 
 
 @pytest.mark.slow

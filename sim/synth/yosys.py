@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from golden.params import CONFIGS
 from sim.synth.fabric import move_in
 from sim.synth.netlist import SOURCE_ATTRIBUTES
 from sim.synth.tools import run_tool, seen
@@ -27,6 +28,14 @@ is slower."""
 FORGET = tuple(f"setattr {mode}{' '.join(f'-unset {name}' for name in SOURCE_ATTRIBUTES)} =*" for mode in ("", "-mod "))
 """Yosys commands that drop the attributes which hold file names and line numbers, so that a comment or an empty line in
 the sources cannot change the netlist, nor the clock that it reaches."""
+RESET_LEAST = 32
+"""Registers of the dense engine that a reset must have to use the flip-flops' own, else it is logic before them. Every
+few registers of a lane have a condition of their own under which they are set; a tile of flip-flops has two such
+inputs, and the placer would scatter them."""
+FLIP_FLOPS = " ".join(f"-cell {kinds}" for kinds in (
+    "$_DFF_?_ 01", "$_DFF_?P?_ r", "$_SDFF_?P?_ r", "$_DFFE_??_ 01", "$_DFFE_?P??_ r", "$_SDFFE_?P??_ r",
+    "$_DLATCH_?_ x"))
+"""Flip-flops of the device, as `synth_ecp5` lists them."""
 COSTS = {
     "lut4": {"LUT4": 1, "CCU2C": 2, "TRELLIS_DPR16X4": 4},
     "ff": {"TRELLIS_FF": 1},
@@ -42,12 +51,18 @@ def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path)
             *(word for name in PRIMITIVES for word in ("--blackboxed-module", name)),
             *(word for value in parameters for word in ("-G", value)), *map(seen, ecp5_sources(config))]
     kept = [f"{block}$*" for block in (*BLOCKS, *SEPARATE) if block != top]
+    synthesis = [f"synth_ecp5 -top {top}"]
+    if CONFIGS[config].dense_offsets:
+        engine = "slog_dense" if top == "slog_dense" else "slog_dense$*"
+        synthesis = [f"synth_ecp5 -top {top} -run :map_ffs", "opt_clean",
+                     f"dfflegalize -minsrst {RESET_LEAST} {FLIP_FLOPS} {engine}",
+                     f"synth_ecp5 -top {top} -run map_ffs:"]
     return "\n".join([
         " ".join(read),
         *FORGET,
         f"setattr -mod -set keep_hierarchy 1 {' '.join(kept)}",
         "scratchpad -copy abc9.script.flow3 abc9.script",  # of the mapper's recipes the one with the shortest paths
-        f"synth_ecp5 -top {top}",
+        *synthesis,
         f"tee -q -o {seen(folder / 'cells.json')} stat -json",
         "setattr -mod -unset keep_hierarchy *",
         "flatten",
