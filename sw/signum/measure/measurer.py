@@ -184,7 +184,8 @@ class Measurer:
                 for (dx, dy, score, margin, chance), reason in zip(values, found.reasons.tolist(), strict=True)]
 
     def measure_windows(self, reference: View, live: View, centres: NDArray[np.int64], size: tuple[int, int],
-                        guess: tuple[float, float], reach: tuple[int, int], rules: Rules | None = None) -> Answers:
+                        guess: tuple[float, float] | Floats, reach: tuple[int, int], rules: Rules | None = None
+                        ) -> Answers:
         """Answer the queries for many windows of one view in one other, as `measure`, without an object for each.
 
         Args:
@@ -192,7 +193,7 @@ class Measurer:
             live: the view that is searched.
             centres: (n, 2) of the windows, as those of `Query`.
             size: width and height of the windows.
-            guess: expected displacement.
+            guess: expected displacement, of all or, (n, 2), of each.
             reach: search range around it.
             rules: overrides the measurer's own.
 
@@ -204,7 +205,7 @@ class Measurer:
         count = len(centres)
         rest = np.tile([reference._slot, live._slot, *size, *reach], (count, 1))
         whole = np.hstack([rest[:, :2], centres, rest[:, 2:]])
-        return self._answers(Searches.of(whole, np.tile(np.asarray(guess, np.float64), (count, 1))),
+        return self._answers(Searches.of(whole, np.broadcast_to(np.asarray(guess, np.float64), (count, 2))),
                              [reference] * count, rules)
 
     def _answers(self, searches: Searches, references: Sequence[View], rules: Rules | None) -> Answers:

@@ -77,6 +77,11 @@ class Answers:
     reasons: NDArray[np.int64]
 
     @property
+    def moved(self) -> Floats:
+        """(n, 2) displacements."""
+        return np.stack([self.dx, self.dy], axis=1)
+
+    @property
     def valid(self) -> NDArray[np.bool_]:
         """Which are valid."""
         return np.asarray(self.reasons == PASSED)
