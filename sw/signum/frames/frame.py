@@ -14,7 +14,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import tifffile
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import UnidentifiedImageError
@@ -210,6 +209,8 @@ def _checked(data: bytes, label: str) -> tuple[bool, Image | None]:
             if data[:2] not in TIFF:
                 raise SourceError(f"{label}: cannot be read: not a picture, or broken; copy it again or take it out"
                                   ) from None
+            import tifffile  # loads slowly, and is rarely needed
+
             with tifffile.TiffFile(io.BytesIO(data)) as pages:
                 page = pages.pages.first
                 check_pixels(page.imagewidth, page.imagelength, label, SourceError)
