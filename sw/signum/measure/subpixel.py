@@ -111,8 +111,6 @@ def _cone(scores: Floats, rounds: int = 5, lean: Floats | None = None) -> Floats
         across, most, c = _X[:, None] + np.repeat(lean.T, 3, 0), _MOST_LEANING, -a * (lean[:, 2] - lean[:, 0]) / 2
     # The model's derivatives by height, less those by a, b, c, and those by the tip.
     jacobian = np.ones((6, *scores.shape))
-    normal = np.empty((scores.shape[1], 6, 6))
-    diagonal = normal.reshape(-1, 36)[:, ::7]
     for _ in range(rounds):
         x, y = across - tip[0], _Y[:, None] - tip[1]
         u, v = a * x + c * y, b * y
@@ -123,7 +121,8 @@ def _cone(scores: Floats, rounds: int = 5, lean: Floats | None = None) -> Floats
         for slope, by, row in ((u, x, 1), (v, y, 2), (u, y, 3), (u, a, 4), (u, c, 5)):
             np.multiply(slope, by, out=jacobian[row])
         jacobian[5] += v * b
-        np.einsum("jin,kin->njk", jacobian, jacobian, out=normal)
+        normal = np.einsum("jin,kin->njk", jacobian, jacobian)  # with `out`, NumPy would take ten times as long
+        diagonal = np.einsum("njj->nj", normal)
         diagonal += 1e-3 * diagonal + 1e-12
         step = np.linalg.solve(normal, np.einsum("jin,in->nj", jacobian, residual)[:, :, None])[:, :, 0].T
         height, c = height + step[0], c - step[3]
