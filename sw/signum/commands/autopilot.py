@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An autopilot on the other end of a command: told in step with real time, and asked how its vehicle moves."""
+"""An autopilot on the other end of `signum hold`: told in step with real time, and asked how its vehicle moves."""
 
 from __future__ import annotations
 
@@ -8,40 +8,12 @@ import time
 
 from signum.applications.hold.keeper import Sensed
 from signum.applications.hold.reading import Level, Reading
-from signum.applications.mavlink.base import LinkSink
 from signum.applications.mavlink.sink import MavlinkSink
 from signum.applications.mavlink.telemetry import Attitude
+from signum.commands.in_step import InStep
 
 RANGE_WAIT_S = 2.0
 """Longest wait for the vehicle's range before the first frame, seconds."""
-
-
-class InStep:
-    """Real time for what is sent: a MAVLink receiver uses the times of arrival.
-
-    Args:
-        sink: of the messages, None for none, and no waiting.
-        paced: whether to wait for a frame's time, as a live source does by itself.
-    """
-
-    def __init__(self, sink: LinkSink | None, paced: bool) -> None:
-        self._any, self._paced, self._start = sink, paced and sink is not None, time.monotonic()
-
-    def begin(self, first: float | None) -> None:
-        """The first frame is there; of a live source, at `first` on the monotonic clock."""
-        self._start = first if first is not None and not self._paced else time.monotonic()
-        if self._any is not None:
-            self._any.stamp.origin = self._start
-
-    def wait(self, moment: float) -> None:
-        """If paced, until `moment` seconds have passed since the first frame."""
-        if self._paced:
-            time.sleep(max(0.0, self._start + moment - time.monotonic()))
-
-    @property
-    def said(self) -> str:
-        """How many messages were sent, and what was not, for the line on the outcome."""
-        return "" if self._any is None else f", {self._any.said}"
 
 
 class Autopilot(InStep):

@@ -13,8 +13,8 @@ import typer
 from golden.params import DENSE, FULL, MAX_SIGMA, MIN_SIGMA
 from signum.applications.mavlink.flow import FlowSink
 from signum.commands.app import command
-from signum.commands.autopilot import InStep
 from signum.commands.focal import focal_px
+from signum.commands.in_step import InStep
 from signum.commands.options import (
     BOARD,
     SOURCE,
@@ -142,7 +142,7 @@ def flow(
                 teller.send(last[0], frame, field)
                 run.refused.update(field.refused)
                 measurer.release(last[1])
-                table.write_all(flow_rows(last[0], frame, field, fit))
+                table.write_numbers(*flow_rows(last[0], frame, field, fit))
                 shown = draw(fit.show(last[0].picture), field)
                 movie.write(shown)
                 if run.done % pictures == 1 % pictures:

@@ -18,7 +18,7 @@ import typer
 from golden.params import DENSE, FULL
 from signum.applications.mavlink.distance import DistanceSink
 from signum.commands.app import command
-from signum.commands.autopilot import InStep
+from signum.commands.in_step import InStep
 from signum.commands.options import (
     AUTOPILOT,
     SOURCE,

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import tifffile
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import UnidentifiedImageError
@@ -26,7 +25,8 @@ from signum.common.errors import SourceError
 from signum.frames.eight import EightBits
 
 PilImage.MAX_IMAGE_PIXELS = None  # `check_pixels` has a limit of its own
-PNG = b"\x89PNG\r\n\x1a\n"
+PNG, PNG_DEPTH = b"\x89PNG\r\n\x1a\n", 24
+"""How a PNG begins, and where its first chunk has the bits of a channel."""
 TIFF = b"II", b"MM"
 SLIGHTLY = 0.05
 """Share of its width or height by which a single picture may be larger or smaller than the first."""
@@ -175,9 +175,10 @@ def decode_picture(data: bytes, label: str) -> NDArray[np.generic]:
     """
     broken = f"{label}: broken or cut short; copy it again or take it out"
     try:
-        if not _whole(data, label):
+        whole, found = _checked(data, label)
+        if not whole:
             raise SourceError(broken)
-        raw = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        raw = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if found is None else found
     except SourceError:
         raise
     except Exception as error:  # a broken file makes its reader raise errors of any type
@@ -187,8 +188,9 @@ def decode_picture(data: bytes, label: str) -> NDArray[np.generic]:
     return np.asarray(raw)
 
 
-def _whole(data: bytes, label: str) -> bool:
-    """Whether a picture is complete: OpenCV returns of one cut short the part it could decode, Pillow raises.
+def _checked(data: bytes, label: str) -> tuple[bool, Image | None]:
+    """Whether a picture is complete: OpenCV returns of one cut short the part it could decode, Pillow raises. And the
+    picture itself, where OpenCV would decode the same once more.
 
     Raises:
         Exception: of any type, if it is broken.
@@ -199,17 +201,29 @@ def _whole(data: bytes, label: str) -> bool:
             with PilImage.open(io.BytesIO(data)) as picture:
                 check_pixels(*picture.size, label, SourceError)
                 if picture.format == "PNG" and not _checksums_agree(data):
-                    return False
+                    return False, None
                 picture.load()
+                return True, _ordinary(picture, data)
         except UnidentifiedImageError:
             # Pillow does not read TIFF of 16-bit colour; of anything else the size is not known.
             if data[:2] not in TIFF:
                 raise SourceError(f"{label}: cannot be read: not a picture, or broken; copy it again or take it out"
                                   ) from None
+            import tifffile  # loads slowly, and is rarely needed
+
             with tifffile.TiffFile(io.BytesIO(data)) as pages:
                 page = pages.pages.first
                 check_pixels(page.imagewidth, page.imagelength, label, SourceError)
-    return True
+    return True, None
+
+
+def _ordinary(picture: PilImage.Image, data: bytes) -> Image | None:
+    """A decoded PNG of 8 bits without transparency or animation, as OpenCV gives it; None for all others."""
+    if (picture.format != "PNG" or data[PNG_DEPTH] != 8 or picture.mode not in ("L", "RGB")
+            or "transparency" in picture.info or getattr(picture, "is_animated", False)):
+        return None
+    pixels = np.array(picture, np.uint8)
+    return pixels if picture.mode == "L" else np.asarray(cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), np.uint8)
 
 
 def _checksums_agree(data: bytes) -> bool:

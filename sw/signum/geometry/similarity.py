@@ -182,8 +182,8 @@ def _solve(a: Complexes, b: Complexes, weight: Floats, turn: bool) -> Similarity
 
 
 def _complex(points: Floats) -> Complexes:
-    return np.asarray(points[..., 0] + 1j * points[..., 1], np.complex128)
+    return np.ascontiguousarray(points, np.float64).view(np.complex128)[..., 0]
 
 
 def _points(values: Complexes) -> Floats:
-    return np.stack([values.real, values.imag], axis=-1)
+    return np.asarray(values, np.complex128)[..., None].view(np.float64)

@@ -57,6 +57,11 @@ class Searches:
         """The searches of these numbers."""
         return Searches(self.slots[which], self.centre[which], self.size[which], self.guess[which], self.reach[which])
 
+    @property
+    def windows(self) -> list[tuple[int, ...]]:
+        """Of each search: its window's centre, width, height; and 1 or 0, whether it is across and down."""
+        return list(map(tuple, np.hstack([self.centre, self.size, self.reach > 0]).tolist()))
+
     def back(self, moved: Floats) -> Searches:
         """The searches from the places found, displaced by `moved` (n, 2), back to the start, over the same range."""
         whole = np.rint(moved).astype(np.int64)

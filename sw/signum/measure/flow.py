@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.common.arrays import Floats
-from signum.measure.measurer import Measurer, Query, View
-from signum.measure.validity import Rules
+from signum.measure.measurer import Measurer, View
+from signum.measure.validity import REASONS, Rules
 
 LONELY = "support"
 """Reason to refuse a displacement that none of the windows beside it has."""
@@ -76,19 +76,15 @@ def measure_flow(
     y = np.arange(window[1] // 2, height - window[1] + window[1] // 2 + 1, step)
     if not (x.size and y.size):
         raise ValueError(f"no window of {window[0]}x{window[1]} fits a picture of {width}x{height}")
-    found = measurer.measure([Query(before, after, int(u), int(v), *window, guess=guess, reach=reach)
-                              for v in y for u in x], rules)
     shape = (y.size, x.size)
-
-    def grid(values: list[float]) -> Floats:
-        return np.array(values).reshape(shape)
-
-    dx, dy = (grid([v if m.valid else np.nan for m, v in zip(found, values, strict=True)])
-              for values in ([m.dx_px for m in found], [m.dy_px for m in found]))
+    centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    found = measurer.measure_windows(before, after, centres, window, guess, reach, rules)
+    dx, dy = (np.where(found.valid, values, np.nan).reshape(shape) for values in (found.dx, found.dy))
     lonely = np.isfinite(dx) & (_agreeing(dx, dy) < support)
-    refused = Counter(str(m.reason) for m in found if not m.valid) + Counter({LONELY: int(lonely.sum())})
+    refused = Counter(str(REASONS[k]) for k in found.reasons[~found.valid].tolist()) + Counter(
+        {LONELY: int(lonely.sum())})
     dx[lonely], dy[lonely] = np.nan, np.nan
-    return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, grid([m.score for m in found]), refused)
+    return FlowField(x.astype(np.float64), y.astype(np.float64), dx, dy, found.score.reshape(shape), refused)
 
 
 def _agreeing(dx: Floats, dy: Floats) -> NDArray[np.int64]:

@@ -24,7 +24,7 @@ from signum.boards.board import Board, BoardError, run_table
 from signum.common.arrays import Floats, Image
 from signum.measure.batch import Peaks, Searches
 from signum.measure.subpixel import PeakFit
-from signum.measure.validity import PASSED, REASONS, Reason, Rules, judge_peaks
+from signum.measure.validity import PASSED, REASONS, Answers, Reason, Rules, judge_peaks
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Query:
     reach: tuple[int, int] = (16, 16)
 
 
-Window = tuple[View, tuple[int, int, int, int, int, int]]
+Window = tuple[View, tuple[int, ...]]
 """A window of a view: x and y of its centre, width, height; and 1 or 0, whether it is searched for across and down."""
 
 
@@ -177,25 +177,56 @@ class Measurer:
             ValueError: if another measurer took one of the views.
             BoardError: if the board was configured again.
         """
-        self._own_board()
         self._check_own(*(view for q in queries for view in (q.reference, q.live)))
-        rules = rules or self.rules
-        searches = _searches(queries)
-        which, peaks = self._peaks(searches, rules.fit)
-        refused = np.full(len(queries), REASONS.index(Reason.OUTSIDE))
-        refused[which] = judge_peaks(peaks, rules)
-        values = np.zeros((len(queries), 5))  # dx, dy, score, margin, above chance
-        values[which] = np.stack([peaks.dx, peaks.dy, peaks.score, peaks.margin, peaks.above_chance], axis=1)
-        if rules.texture:
-            passed = np.flatnonzero(refused == PASSED)
-            likeness = self._likeness([_window(queries[i]) for i in passed.tolist()])
-            refused[passed[likeness > rules.max_likeness]] = REASONS.index(Reason.TEXTURE)
-        if rules.backward:
-            passed = np.flatnonzero(refused == PASSED)
-            miss = self._misses(searches.some(passed), values[passed, :2], rules)
-            refused[passed[miss > rules.max_return_px]] = REASONS.index(Reason.RETURN)
+        found = self._answers(_searches(queries), [q.reference for q in queries], rules)
+        values = np.stack([found.dx, found.dy, found.score, found.margin, found.above_chance], axis=1).tolist()
         return [Measurement(dx, dy, score, margin, reason == PASSED, REASONS[reason], chance)
-                for (dx, dy, score, margin, chance), reason in zip(values.tolist(), refused.tolist(), strict=True)]
+                for (dx, dy, score, margin, chance), reason in zip(values, found.reasons.tolist(), strict=True)]
+
+    def measure_windows(self, reference: View, live: View, centres: NDArray[np.int64], size: tuple[int, int],
+                        guess: tuple[float, float] | Floats, reach: tuple[int, int], rules: Rules | None = None
+                        ) -> Answers:
+        """Answer the queries for many windows of one view in one other, as `measure`, without an object for each.
+
+        Args:
+            reference: the windows' view.
+            live: the view that is searched.
+            centres: (n, 2) of the windows, as those of `Query`.
+            size: width and height of the windows.
+            guess: expected displacement, of all or, (n, 2), of each.
+            reach: search range around it.
+            rules: overrides the measurer's own.
+
+        Raises:
+            ValueError: if another measurer took one of the views.
+            BoardError: if the board was configured again.
+        """
+        self._check_own(reference, live)
+        count = len(centres)
+        rest = np.tile([reference._slot, live._slot, *size, *reach], (count, 1))
+        whole = np.hstack([rest[:, :2], centres, rest[:, 2:]])
+        return self._answers(Searches.of(whole, np.broadcast_to(np.asarray(guess, np.float64), (count, 2))),
+                             [reference] * count, rules)
+
+    def _answers(self, searches: Searches, references: Sequence[View], rules: Rules | None) -> Answers:
+        """The answers of searches for windows of these views, one each."""
+        rules = rules or self.rules
+        which, peaks = self._peaks(searches, rules.fit)
+        reasons = np.full(len(references), REASONS.index(Reason.OUTSIDE))
+        reasons[which] = judge_peaks(peaks, rules)
+        values = np.zeros((5, len(references)))
+        values[:, which] = peaks.dx, peaks.dy, peaks.score, peaks.margin, peaks.above_chance
+        if rules.texture:
+            passed = np.flatnonzero(reasons == PASSED)
+            windows = zip(passed.tolist(), searches.some(passed).windows, strict=True)
+            likeness = self._likeness([(references[i], window) for i, window in windows])
+            reasons[passed[likeness > rules.max_likeness]] = REASONS.index(Reason.TEXTURE)
+        if rules.backward:
+            passed = np.flatnonzero(reasons == PASSED)
+            miss = self._misses(searches.some(passed), values[:2, passed].T, rules)
+            reasons[passed[miss > rules.max_return_px]] = REASONS.index(Reason.RETURN)
+        dx, dy, score, margin, chance = values
+        return Answers(dx, dy, score, margin, chance, reasons)
 
     def dense(self, left: View, right: View, search: DensePass, step: tuple[int, int] = (1, 1)) -> DenseResult:
         """Run a pass of the dense engine between two views: the bits of the board, which nothing validates.
@@ -273,10 +304,6 @@ def white_match(distance: float, sigma: float) -> float:
     x = distance**2 / (4 * sigma**2)
     rho = np.exp(-x) * (1 - 2 * x + x**2 / 2)
     return float(0.5 + np.arcsin(rho) / np.pi)
-
-
-def _window(q: Query) -> Window:
-    return q.reference, (q.x, q.y, q.width, q.height, int(q.reach[0] > 0), int(q.reach[1] > 0))
 
 
 def _searches(queries: Sequence[Query]) -> Searches:

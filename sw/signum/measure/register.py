@@ -19,21 +19,23 @@ for one of them ends the one before, whose views are dropped with it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.agree import Found, Motion, motions
 from signum.measure.likelihood import VALID_BY_CHANCE, chance, evidence
-from signum.measure.measurer import Measurement, Measurer, Query, View
+from signum.measure.measurer import Measurer, View
 from signum.measure.refine import NARROW, refine
 from signum.measure.registration import UNKNOWN, Prepared, Registration, RegistrationLimits, Rival
-from signum.measure.validity import Reason, Rules
+from signum.measure.validity import REASONS, Answers, Reason, Rules
 
 COARSE_SIDE = 160
 """Longer side of the coarse picture, pixels, unless the shorter one would fall below COARSE_LEAST."""
@@ -54,6 +56,9 @@ CLOSER_RULES = Rules(min_score=0.6, min_margin=0.0, backward=False, texture=Fals
 """Rules of the closer look, in which windows are where they are known to be."""
 ANYTHING = Rules(min_score=0.0, min_margin=-1.0, backward=False, texture=False)
 """Rules of the coarse search: every window may vote."""
+
+Centres = NDArray[np.int64]
+"""(n, 2) centres of windows, as those of `Query`."""
 
 
 @dataclass(frozen=True)
@@ -151,11 +156,11 @@ class Registrar:
         live = measurer.view(b.fine)
         at, answers = self._search(measurer, view, live, centres, onward, window, CLOSER_REACH, CLOSER_RULES)
         measurer.release(live)
-        keep = [i for i, m in enumerate(answers) if m.valid]
+        keep = np.flatnonzero(answers.valid)
         if len(keep) < 4:
             return seen
         p = turn.inverse(self.fine.to_source(at[keep]))
-        q = self.fine.to_source(at[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep])
+        q = self.fine.to_source(at[keep] + answers.moved[keep])
         found = refine(p, q, seen.similarity, max(self.fine.factor))
         seen = self._witnessed(seen, at[keep][found.agree], at, window)
         if found.agree.sum() < 4:
@@ -222,22 +227,21 @@ class Registrar:
                 onward: Similarity | None = None) -> list[_Vote]:
         """The similarity that most windows of a, warped by `turn`, vote for, and the one that most others vote for; the
         search is everywhere, or around the places that `onward` predicts."""
-        side = [min(COARSE_WINDOW, n // 2) for n in self.coarse.board]
+        width, height = self.coarse.board
+        side = min(COARSE_WINDOW, width // 2), min(COARSE_WINDOW, height // 2)
         tolerance = self.limits.coarse_miss * max(self.coarse.factor)
         apart = 0.5 * min(side) * max(self.coarse.factor)
-        centres = [c for c in _grid(side, self.coarse.board, COARSE_GRID) if self._seen(self.coarse, turn, c, side)]
-        at = np.array(centres, np.float64).reshape(-1, 2)
+        centres = self._seen(self.coarse, turn, _grid(side, self.coarse.board, COARSE_GRID), side)
+        at = centres.astype(np.float64)
         ahead, reach = np.zeros_like(at), self.coarse.board
         if onward is not None:
             ahead, reach = self.coarse.to_board(onward(self.coarse.to_source(at))) - at, (COARSE_REACH, COARSE_REACH)
         view = measurer.view(_warp(a.coarse, self.coarse, turn))
-        answers = measurer.measure([Query(view, live, x, y, side[0], side[1], (float(d[0]), float(d[1])), reach)
-                                    for (x, y), d in zip(centres, ahead, strict=True)], ANYTHING)
+        answers = measurer.measure_windows(view, live, centres, side, ahead, reach, ANYTHING)
         measurer.release(view)
-        met = [i for i, m in enumerate(answers) if m.reason is not Reason.OUTSIDE]
-        p = self.coarse.to_source(at[met].reshape(-1, 2))
-        q = self.coarse.to_source(at[met].reshape(-1, 2)
-                                  + np.array([[answers[i].dx_px, answers[i].dy_px] for i in met]).reshape(-1, 2))
+        met = answers.reasons != REASONS.index(Reason.OUTSIDE)
+        p = self.coarse.to_source(at[met])
+        q = self.coarse.to_source(at[met] + answers.moved[met])
         out = []
         for _ in range(2):
             if len(p) < 2:
@@ -247,13 +251,13 @@ class Registrar:
             p, q = p[~agree], q[~agree]
         return out
 
-    def _seen(self, level: Fit, turn: Similarity, centre: tuple[int, int], side: Sequence[int]) -> bool:
-        """Whether the window at `centre` of a picture warped by `turn` lies within the picture."""
+    def _seen(self, level: Fit, turn: Similarity, centres: Centres, side: tuple[int, int]) -> Centres:
+        """The centres of those windows of a picture warped by `turn` that lie within the picture."""
         if turn == IDENTITY:
-            return True
-        corners = np.array(centre) + np.array([[-1, -1], [1, -1], [-1, 1], [1, 1]]) * (np.array(side) / 2 + 1)
+            return centres
+        corners = centres[:, None] + np.array([[-1, -1], [1, -1], [-1, 1], [1, 1]]) * (np.array(side) / 2 + 1)
         back = level.to_board(turn.inverse(level.to_source(corners)))
-        return bool(((back >= 0) & (back <= np.array(level.board) - 1)).all())
+        return centres[((back >= 0) & (back <= np.array(level.board) - 1)).all(axis=(1, 2))]
 
     def _warped(self, a: Prepared, turn: Similarity) -> tuple[Measurer, tuple[View, Similarity]]:
         """The measurer of the fine step, and its view of a picture warped by `turn`."""
@@ -265,14 +269,12 @@ class Registrar:
         self._measurer, self._reference = measurer, reference
         return measurer, (reference[2], turn)
 
-    def _search(self, measurer: Measurer, view: View, live: View, centres: Sequence[tuple[int, int]],
-                onward: Similarity, window: int, reach: int, rules: Rules) -> tuple[Floats, list[Measurement]]:
+    def _search(self, measurer: Measurer, view: View, live: View, centres: Centres, onward: Similarity, window: int,
+                reach: int, rules: Rules) -> tuple[Floats, Answers]:
         """Centres of windows, and where each is found around the place that `onward` predicts."""
-        at = np.array(centres, np.float64)
+        at = centres.astype(np.float64)
         ahead = self.fine.to_board(onward(self.fine.to_source(at))) - at
-        return at, measurer.measure(
-            [Query(view, live, x, y, window, window, (float(d[0]), float(d[1])), (reach, reach))
-             for (x, y), d in zip(centres, ahead, strict=True)], rules)
+        return at, measurer.measure_windows(view, live, centres, (window, window), ahead, (reach, reach), rules)
 
     def _finely(self, a: Prepared, b: Prepared, guess: Similarity, reach: int) -> Registration:
         measurer, (view, turn) = self._warped(a, self._turn(guess))
@@ -283,14 +285,14 @@ class Registrar:
         live = measurer.view(b.fine)
         at, answers = self._search(measurer, view, live, centres, onward, window, reach, self.limits.rules)
         measurer.release(live)
-        tried = [i for i, m in enumerate(answers) if m.reason is not Reason.TEXTURE]
-        keep = [i for i in tried if answers[i].valid]
+        tried, keep = (np.flatnonzero(which) for which in (
+            answers.reasons != REASONS.index(Reason.TEXTURE), answers.valid))
         if len(keep) < 2:
             return self._refused(guess, f"only {len(keep)} of {len(tried)} windows match", len(keep), len(tried))
         p = self.fine.to_source(at[keep])
-        q = self.fine.to_source(at[keep] + [[answers[i].dx_px, answers[i].dy_px] for i in keep])
+        q = self.fine.to_source(at[keep] + answers.moved[keep])
         found = Found(p, q, at[keep], at[tried], window, reach, max(self.fine.factor))
-        best, *others = [self._rival(motion, p, [answers[i] for i in keep], turn) for motion in
+        best, *others = [self._rival(motion, p, answers.score[keep], answers.margin[keep], turn) for motion in
                          motions(found, self.limits.rot_deg, self.limits.zoom, self.limits.evidence)]
         return self._judged(best, len(tried), tuple(others))
 
@@ -302,17 +304,17 @@ class Registrar:
                             enough, reason, best.turning, best.middle, best.spread_px, best.rms_px, best.evidence,
                             others)
 
-    def _rival(self, motion: Motion, p: Floats, answers: Sequence[Measurement], turn: Similarity) -> Rival:
+    def _rival(self, motion: Motion, p: Floats, scores: Floats, margins: Floats, turn: Similarity) -> Rival:
         """A motion of windows at `p` of a picture warped by `turn`, in pixels of the picture itself."""
-        agreeing = [m for m, good in zip(answers, motion.agree, strict=True) if good]
-        back = turn.inverse(p[motion.agree]) if agreeing else self.centre[None, :]
+        agreed = int(motion.agree.sum())
+        back = turn.inverse(p[motion.agree]) if agreed else self.centre[None, :]
         middle = back.mean(axis=0)
-        return Rival(motion.similarity @ turn, float(np.median([m.score for m in agreeing])) if agreeing else 0.0,
-                     float(np.median([m.margin for m in agreeing])) if agreeing else 0.0, len(agreeing), motion.turning,
+        return Rival(motion.similarity @ turn, float(np.median(scores[motion.agree])) if agreed else 0.0,
+                     float(np.median(margins[motion.agree])) if agreed else 0.0, agreed, motion.turning,
                      (float(middle[0]), float(middle[1])),
                      float(np.sqrt(((back - middle) ** 2).sum(axis=1).mean())), motion.rms_px, motion.evidence)
 
-    def _overlap(self, guess: Similarity, turn: Similarity) -> tuple[int, list[tuple[int, int]]]:
+    def _overlap(self, guess: Similarity, turn: Similarity) -> tuple[int, Centres]:
         """The largest window side, not above the chosen one, of which enough fit the overlap; and their centres."""
         window = self.window
         while True:
@@ -322,26 +324,25 @@ class Registrar:
                 return window, centres
             window = smaller
 
-    def _inside(self, guess: Similarity, turn: Similarity, window: int, most: int = 24) -> list[tuple[int, int]]:
+    def _inside(self, guess: Similarity, turn: Similarity, window: int, most: int = 24) -> Centres:
         """Centres of windows that lie in a and, by the guess, in b; thinned to about `most`."""
         width, height = self.fine.board
         across, down = (max(1, 1 + math.ceil(2 * (n - window) / window)) for n in (width, height))
-        centres = _grid([window, window], [width, height], (across, down))
-        at = np.array(centres, np.float64)
-        ahead = self.fine.to_board(guess(self.fine.to_source(at)))
+        centres = _grid((window, window), (width, height), (across, down))
+        ahead = self.fine.to_board(guess(self.fine.to_source(centres.astype(np.float64))))
         room = window / 2 + 2
-        inside = np.all((ahead >= room) & (ahead <= np.array([width, height]) - 1 - room), axis=1).tolist()
-        kept = [c for c, good in zip(centres, inside, strict=True)
-                if good and self._seen(self.fine, turn, c, (window, window))]
+        inside = np.all((ahead >= room) & (ahead <= np.array([width, height]) - 1 - room), axis=1)
+        kept = self._seen(self.fine, turn, centres[inside], (window, window))
         step = max(1, len(kept) / most)
-        return [kept[int(i * step)] for i in range(int(len(kept) / step))]
+        return kept[[int(i * step) for i in range(int(len(kept) / step))]]
 
 
-def _grid(window: Sequence[int], size: Sequence[int], counts: tuple[int, int]) -> list[tuple[int, int]]:
-    """Centres of a grid of windows that fills a picture, as `Query` takes them."""
-    across, down = (np.unique(np.rint(np.linspace(w // 2, n - w + w // 2, k)).astype(int))
+@lru_cache(maxsize=64)
+def _grid(window: tuple[int, int], size: tuple[int, int], counts: tuple[int, int]) -> Centres:
+    """Centres of a grid of windows that fills a picture, as `Query` takes them; not to be written to."""
+    across, down = (np.unique(np.rint(np.linspace(w // 2, n - w + w // 2, k)).astype(np.int64))
                     for w, n, k in zip(window, size, counts, strict=True))
-    return [(int(x), int(y)) for y in down for x in across]
+    return np.stack(np.meshgrid(across, down), axis=-1).reshape(-1, 2)
 
 
 def _warp(picture: Image, level: Fit, turn: Similarity) -> Image:

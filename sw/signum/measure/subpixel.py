@@ -109,19 +109,23 @@ def _cone(scores: Floats, rounds: int = 5, lean: Floats | None = None) -> Floats
         across, most, c = _X[:, None], _MOST, np.zeros_like(centre)
     else:
         across, most, c = _X[:, None] + np.repeat(lean.T, 3, 0), _MOST_LEANING, -a * (lean[:, 2] - lean[:, 0]) / 2
+    # The model's derivatives by height, less those by a, b, c, and those by the tip.
     jacobian = np.ones((6, *scores.shape))
     for _ in range(rounds):
         x, y = across - tip[0], _Y[:, None] - tip[1]
         u, v = a * x + c * y, b * y
         r = np.sqrt(u * u + v * v + 0.5 * _ROUND * (a**2 + b**2))
-        u_r, v_r = u / r, v / r
-        jacobian[1], jacobian[2], jacobian[3] = -u_r * x, -v_r * y, -u_r * y
-        jacobian[4], jacobian[5] = u_r * a, u_r * c + v_r * b
         residual = scores - (height - r)
-        normal = np.einsum("jin,kin->njk", jacobian, jacobian)
-        normal += (1e-3 * np.einsum("njj->nj", normal)[:, :, None] + 1e-12) * np.eye(6)
+        u /= r
+        v /= r
+        for slope, by, row in ((u, x, 1), (v, y, 2), (u, y, 3), (u, a, 4), (u, c, 5)):
+            np.multiply(slope, by, out=jacobian[row])
+        jacobian[5] += v * b
+        normal = np.einsum("jin,kin->njk", jacobian, jacobian)  # with `out`, NumPy would take ten times as long
+        diagonal = np.einsum("njj->nj", normal)
+        diagonal += 1e-3 * diagonal + 1e-12
         step = np.linalg.solve(normal, np.einsum("jin,in->nj", jacobian, residual)[:, :, None])[:, :, 0].T
-        height, c = height + step[0], c + step[3]
-        a, b = np.maximum(a + step[1], 1e-6), np.maximum(b + step[2], 1e-6)
+        height, c = height + step[0], c - step[3]
+        a, b = np.maximum(a - step[1], 1e-6), np.maximum(b - step[2], 1e-6)
         tip = np.clip(tip + np.clip(step[4:], -0.3, 0.3), [[-most], [-_MOST]], [[most], [_MOST]])
     return np.asarray(tip.T)

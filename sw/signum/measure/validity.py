@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.correlate import Status
+from signum.common.arrays import Floats
 from signum.measure.batch import Peaks
 from signum.measure.subpixel import PeakFit
 
@@ -59,6 +60,31 @@ class Rules:
     backward: bool = True
     texture: bool = True
     fit: PeakFit = "auto"
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """n measurements as arrays, (n,) each, of the attributes of `Measurement` of their names.
+
+    `reasons` has numbers in REASONS; PASSED for those that are valid.
+    """
+
+    dx: Floats
+    dy: Floats
+    score: Floats
+    margin: Floats
+    above_chance: Floats
+    reasons: NDArray[np.int64]
+
+    @property
+    def moved(self) -> Floats:
+        """(n, 2) displacements."""
+        return np.stack([self.dx, self.dy], axis=1)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Which are valid."""
+        return np.asarray(self.reasons == PASSED)
 
 
 def judge_peaks(peaks: Peaks, rules: Rules) -> NDArray[np.int64]:

@@ -93,13 +93,13 @@ def draw_flow(frame: Image, field: FlowField, magnify: float = 2.0) -> Image:
     Returns:
         uint8 (H, W, 3) blue, green, red.
     """
-    out = np.asarray(cv2.cvtColor(np.asarray(frame * 0.6, np.uint8), cv2.COLOR_GRAY2BGR), np.uint8)
-    for j, v in enumerate(field.y):
-        for i, u in enumerate(field.x):
-            start = (round(u), round(v))
-            if field.valid[j, i]:
-                end = (round(u + magnify * field.dx[j, i]), round(v + magnify * field.dy[j, i]))
-                cv2.arrowedLine(out, start, end, (80, 255, 120), 1, cv2.LINE_AA, tipLength=0.3)
-            else:
-                cv2.drawMarker(out, start, (60, 60, 255), cv2.MARKER_TILTED_CROSS, 5)
+    dim = cv2.LUT(frame, np.asarray(np.arange(256) * 0.6, np.uint8))
+    out = np.asarray(cv2.cvtColor(dim, cv2.COLOR_GRAY2BGR), np.uint8)
+    u, v = np.meshgrid(field.x, field.y)
+    columns = u, v, u + magnify * np.nan_to_num(field.dx), v + magnify * np.nan_to_num(field.dy), field.valid
+    for x, y, right, down, valid in np.rint(np.stack(columns, axis=-1).reshape(-1, 5)).astype(int).tolist():
+        if valid:
+            cv2.arrowedLine(out, (x, y), (right, down), (80, 255, 120), 1, cv2.LINE_AA, tipLength=0.3)
+        else:
+            cv2.drawMarker(out, (x, y), (60, 60, 255), cv2.MARKER_TILTED_CROSS, 5)
     return out

@@ -20,8 +20,9 @@ from signum.common.files import UNFINISHED, sync_folder
 
 CODEC, PIXELS = "libx264", "yuv420p"
 """What every browser plays."""
-ENCODING = {"preset": "superfast", "crf": "18"}
-"""Encoder's speed, and its quality: hardly a difference to be seen."""
+ENCODING = {"preset": "superfast", "crf": "18", "coder": "vlc"}
+"""Encoder's speed, its quality, hardly a difference to be seen, and its entropy coding, CAVLC: the pictures are those
+of CABAC, in half of the time and 5 % more bytes."""
 
 
 class Movie:

@@ -20,18 +20,20 @@ def seconds(time: float | None) -> str:
     return "" if time is None else f"{time:.6f}"
 
 
-def flow_rows(a: Frame, b: Frame, field: FlowField, fit: Fit) -> Iterator[list[object]]:
-    """Rows of `flow.csv` from a field in pixels of the board's picture."""
+def flow_rows(a: Frame, b: Frame, field: FlowField, fit: Fit) -> tuple[list[object], Iterator[str]]:
+    """Rows of `flow.csv` from a field in pixels of the board's picture, as `Table.write_numbers` takes them."""
     step = None if a.time_s is None or b.time_s is None else b.time_s - a.time_s
-    head = [a.name, b.name, seconds(b.time_s), seconds(step)]
-    kx, ky = fit.factor
+    return [a.name, b.name, seconds(b.time_s), seconds(step)], _flow_numbers(field, fit.factor)
+
+
+def _flow_numbers(field: FlowField, factor: tuple[float, float]) -> Iterator[str]:
+    kx, ky = factor
     xs = [f"{(x + 0.5) * kx - 0.5:.1f}" for x in field.x.tolist()]
     for y, valid, *values in zip(field.y.tolist(), field.valid.tolist(), (field.dx * kx).tolist(),
                                  (field.dy * ky).tolist(), field.score.tolist(), strict=True):
         down = f"{(y + 0.5) * ky - 0.5:.1f}"
         for x, good, dx, dy, score in zip(xs, valid, *values, strict=True):
-            moved = (f"{dx:.3f}", f"{dy:.3f}") if good else ("", "")
-            yield [*head, x, down, *moved, f"{score:.4f}", int(good)]
+            yield f"{x},{down},{dx:.3f},{dy:.3f},{score:.4f},1" if good else f"{x},{down},,,{score:.4f},0"
 
 
 def disparity_rows(frame: Frame, found: RangeMap, geometry: StereoGeometry | None) -> Iterator[list[object]]:

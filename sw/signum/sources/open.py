@@ -22,9 +22,6 @@ from signum.sources.files import (
     UndistortedSource,
 )
 from signum.sources.live import CameraSource
-from signum.sources.stream import AvSource
-from signum.sources.udp import UdpSource
-from signum.sources.video import VideoSource
 
 BAGS = frozenset({".bag", ".mcap", ".db3"})
 """A file with one of these endings is a ROS bag."""
@@ -129,12 +126,12 @@ def _open(text: str | Path) -> Source:
 
         return WorldSource.named(str(text))
     if is_stream(str(text)):
-        return UdpSource(str(text)) if UDP.match(str(text)) else AvSource(str(text))
+        return _stream(str(text))
     path = Path(text)
     if path.is_dir():
         return FolderSource(path)
     if DEVICE.match(str(text)):
-        return AvSource(str(text), V4L2)
+        return _stream(str(text), V4L2)
     if not path.exists():
         camera = CAMERA.match(str(text))
         if camera:
@@ -146,7 +143,16 @@ def _open(text: str | Path) -> Source:
         return PictureSource(path)
     if kind == ".npy":
         return ArraySource.load(path)
+    from signum.sources.video import VideoSource  # loads FFmpeg
+
     return VideoSource(path)
+
+
+def _stream(text: str, kind: str | None = None) -> Source:
+    from signum.sources.stream import AvSource  # these load FFmpeg, too
+    from signum.sources.udp import UdpSource
+
+    return UdpSource(text) if UDP.match(text) else AvSource(text, kind)
 
 
 def split_topic(text: str) -> tuple[str, str]:

@@ -26,7 +26,6 @@ class Table:
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self._path = path
         self._file = path.open("w", newline="", encoding="utf-8")
-        self._rows = csv.writer(self._file)
         self.write(columns)
 
     def write(self, row: Sequence[object]) -> None:
@@ -35,12 +34,21 @@ class Table:
         Raises:
             OSError: if it cannot be written, with the table's path as its file name.
         """
-        self.write_all([row])
+        self._append(f"{csv_line(row)[:-1]}\r\n")
 
-    def write_all(self, rows: Iterable[Sequence[object]]) -> None:
-        """Append rows that belong together, such as those of a frame, and flush the file once; errors as `write`."""
+    def write_numbers(self, begin: Sequence[object], numbers: Iterable[str]) -> None:
+        """Append rows that belong together, such as those of a frame, and flush the file once; errors as `write`.
+
+        Args:
+            begin: the first cells, the same in all rows.
+            numbers: the other cells of each row, joined by commas: numbers or nothing, which need no quotes.
+        """
+        first = csv_line(begin)[:-1]
+        self._append("".join([f"{first},{rest}\r\n" for rest in numbers]))
+
+    def _append(self, text: str) -> None:
         try:
-            self._rows.writerows(map(neutral_row, rows))
+            self._file.write(text)
             self._file.flush()
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(self._path)) from error

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from signum.applications.mosaic.photometry import fit_light, shrink
-from signum.applications.mosaic.seams import ALONE, Layer, Seams, calm, grid_scale, lay, specks_of
+from signum.applications.mosaic.seams import ALONE, Layer, Seams, calm, grid_scale, lay, softened, specks_of
 from signum.common.arrays import Floats, Image
 from signum.geometry.similarity import IDENTITY, Similarity, corners
 
@@ -28,6 +28,8 @@ SEAM_PIXELS = 20_000
 """About how many pixels the small copy of a frame has that seams are found on."""
 COPIES_BYTES = 64_000_000
 """Memory for the small copies; those of a larger survey are made again when they are needed."""
+LATEST = 64
+"""Frames of which what is compared is kept, up to 0.3 MB each."""
 BLOCK = 1536
 """Side of the blocks blended at a time, pixels of the mosaic."""
 FINE = 3.0
@@ -154,6 +156,7 @@ class Composition:
                  told: Told = silent, water: bool = False) -> None:
         self._pictures, self._told = pictures, told
         self._copies: OrderedDict[int, tuple[Image, Image]] = OrderedDict()
+        self._latest: OrderedDict[int, tuple[NDArray[np.float32], NDArray[np.float32]]] = OrderedDict()
         self._sizes, thumbs, self.grey = [], [], True
         for number, picture in enumerate(pictures):
             self._sizes.append((picture.shape[1], picture.shape[0]))
@@ -232,6 +235,18 @@ class Composition:
         factor = np.asarray(cv2.resize(factor, picture.shape[1::-1], interpolation=cv2.INTER_CUBIC))
         return np.asarray(cv2.convertScaleAbs(cv2.multiply(picture, factor, dtype=cv2.CV_32F)), np.uint8)
 
+    def _compared(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """A frame's small copy and its specks, as `lay` takes them; those of the latest are kept, as tiles beside one
+        another show the same frames."""
+        found = self._latest.pop(number, None)
+        if found is None:
+            copy, specks = self._copy(number)
+            found = softened(self._lit(number, copy, np.ones(1))), specks.astype(np.float32)
+        self._latest[number] = found
+        if len(self._latest) > LATEST:
+            self._latest.popitem(last=False)
+        return found
+
     def _layers(self, spot: tuple[int, int], shape: tuple[int, int]) -> list[Layer]:
         """The frames on a tile of the grid."""
         g = self._grid
@@ -239,9 +254,7 @@ class Composition:
         box = spot[0] * g, spot[1] * g, (spot[0] + shape[1]) * g, (spot[1] + shape[0]) * g
         layers = []
         for n in self._within(box).tolist():
-            copy, specks = self._copy(n)
-            layers.append(lay(n, self._lit(n, copy, np.ones(1)), specks, self._sizes[n], onto @ self._places[n], spot,
-                              shape, RIM))
+            layers.append(lay(n, *self._compared(n), self._sizes[n], onto @ self._places[n], spot, shape, RIM))
         return [layer for layer in layers if np.isfinite(layer.cost).any()]
 
     def _parts(self, cut: Sequence[int]) -> Iterator[_Part]:

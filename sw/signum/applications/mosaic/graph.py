@@ -24,7 +24,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import SuperLU
 
 from signum.applications.mosaic.edges import Edge
@@ -176,7 +176,7 @@ class _Descent:
         for turn in range(most_steps):
             residual, matrix = self._system.linear(poses)
             power = self._weigh(residual, turn)
-            weighted = matrix.conj().T.multiply(np.repeat(power, 2)).tocsc()
+            weighted = _weighted(matrix, power)
             factor = factored(weighted @ matrix)
             step = np.concatenate([np.zeros(2, np.complex128), -factor.solve(weighted @ residual)])
             poses = poses + step
@@ -185,8 +185,7 @@ class _Descent:
             if settled and float(np.abs(step[1::2]).max()) < CONVERGED:
                 break
         _, matrix = self._system.linear(poses)
-        honest = np.repeat(self._system.honest * self.robust, 2)
-        self.factor = factored(matrix.conj().T.multiply(honest).tocsc() @ matrix)
+        self.factor = factored(_weighted(matrix, self._system.honest * self.robust) @ matrix)
         return poses
 
     def _weigh(self, residual: Complexes, turn: int) -> Floats:
@@ -244,21 +243,31 @@ class _System:
         self.seen = np.array([edge.similarity.factor * complex(*edge.middle) + edge.similarity.shift
                               for edge in edges])
         self.precision = np.array([precision(edge) for edge in edges])
-        moved = np.array([np.hypot(*edge.shift) for edge in edges])
+        centre = np.array([complex(*edge.centre) for edge in edges])
+        moved = np.abs(self.factor * centre + np.array([edge.similarity.shift for edge in edges]) - centre)
         self.honest = 1 / (1 / self.precision + (PARALLAX * moved) ** 2)
         self.unknowns = 2 * len(names)
         self.redundant = len(edges) > len(names) - 1
+        # The derivatives by the poses change with these, their places in the matrix do not.
+        count = len(edges)
+        even, odd = 2 * np.arange(count), 2 * np.arange(count) + 1
+        rows = np.concatenate([even, even, even, even, odd, odd])
+        columns = np.concatenate([2 * self.a, 2 * self.a + 1, 2 * self.b, 2 * self.b + 1, 2 * self.a, 2 * self.b]) - 2
+        free = np.flatnonzero(columns >= 0)
+        self._pattern = csc_matrix((free, (rows[free], columns[free])), shape=(2 * count, self.unknowns - 2))
 
     def linear(self, poses: Complexes) -> tuple[Complexes, csc_matrix]:
         """Residuals (2 an edge), pixels, and their derivatives by all poses but the first."""
         fa, ta, fb, tb = poses[2 * self.a], poses[2 * self.a + 1], poses[2 * self.b], poses[2 * self.b + 1]
         there = (fa * self.middle + ta - tb) / fb
         residual = np.stack([there - self.seen, self.spread * (fa / fb - self.factor)], axis=1).ravel()
-        count = len(self.a)
-        even, odd = 2 * np.arange(count), 2 * np.arange(count) + 1
-        rows = np.concatenate([even, even, even, even, odd, odd])
-        columns = np.concatenate([2 * self.a, 2 * self.a + 1, 2 * self.b, 2 * self.b + 1, 2 * self.a, 2 * self.b])
         values = np.concatenate([self.middle / fb, 1 / fb, -there / fb, -1 / fb,
                                  self.spread / fb, -self.spread * fa / fb**2])
-        whole = csc_matrix((values, (rows, columns)), shape=(2 * count, self.unknowns))
-        return residual, whole[:, 2:]
+        found = self._pattern
+        return residual, csc_matrix((values[found.data], found.indices, found.indptr), shape=found.shape)
+
+
+def _weighted(matrix: csc_matrix, power: Floats) -> csc_matrix:
+    """The conjugate transpose of derivatives, the columns of each edge multiplied by its weight."""
+    values = matrix.data.conj() * np.repeat(power, 2)[matrix.indices]
+    return csr_matrix((values, matrix.indices, matrix.indptr), shape=matrix.shape[::-1]).tocsc()

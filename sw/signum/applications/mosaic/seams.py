@@ -93,13 +93,19 @@ def specks_of(picture: Image, size: tuple[int, int]) -> Image:
                                  interpolation=cv2.INTER_NEAREST), np.uint8)
 
 
-def lay(number: int, copy: Image, specks: Image, size: tuple[int, int], place: Similarity, spot: tuple[int, int],
+def softened(copy: Image) -> Float:
+    """A small copy as frames are compared by it: float32, as large, smoothed."""
+    return np.asarray(cv2.GaussianBlur(copy.astype(np.float32), (0, 0), SMOOTH, borderType=cv2.BORDER_REPLICATE),
+                      np.float32)
+
+
+def lay(number: int, copy: Float, specks: Float, size: tuple[int, int], place: Similarity, spot: tuple[int, int],
         shape: tuple[int, int], rim: float) -> Layer:
     """A frame laid onto a tile of the grid.
 
     Args:
         number: of the frame.
-        copy: a small copy of it, its light evened out, uint8 (h, w, channels).
+        copy: from `softened`, of a small copy of it, its light evened out.
         specks: from `specks_of`, as large.
         size: the frame's width and height, pixels.
         place: its pixels -> pixels of the grid.
@@ -109,10 +115,9 @@ def lay(number: int, copy: Image, specks: Image, size: tuple[int, int], place: S
     """
     less = Similarity(complex(size[0] / copy.shape[1]), complex(*(0.5 * size[0] / copy.shape[1] - 0.5,) * 2))
     matrix = (Similarity(shift=-complex(*spot)) @ place @ less).matrix
-    smooth = cv2.GaussianBlur(copy.astype(np.float32), (0, 0), SMOOTH, borderType=cv2.BORDER_REPLICATE)
-    levels = np.asarray(cv2.warpAffine(smooth, matrix, shape[::-1], flags=cv2.INTER_LINEAR,
+    levels = np.asarray(cv2.warpAffine(copy, matrix, shape[::-1], flags=cv2.INTER_LINEAR,
                                        borderMode=cv2.BORDER_REPLICATE), np.float32).reshape(*shape, -1)
-    flakes = cv2.warpAffine(specks.astype(np.float32), matrix, shape[::-1], flags=cv2.INTER_LINEAR)
+    flakes = cv2.warpAffine(specks, matrix, shape[::-1], flags=cv2.INTER_LINEAR)
     inverse = place.inverse
     x, y = spot[0] + np.arange(shape[1]), spot[1] + np.arange(shape[0])
     at = inverse.factor * (x + 1j * y[:, None]) + inverse.shift

@@ -31,6 +31,8 @@ from signum.measure.registration import Prepared, Registration
 KEPT, KEPT_BYTES = 256, 64_000_000
 """Prepared frames held in memory at most, and their bytes: two columns of most surveys, as the frames beside the newest
 are those of the column before."""
+PICTURES_BYTES = 64_000_000
+"""Bytes of stored frames held in memory while they are blended."""
 RECORD, EDGES_FILE, JOURNAL = "run.json", "edges.csv", "frames/journal.txt"
 """Files of every survey."""
 ALWAYS = "poses.csv", "mosaic.png"
@@ -207,7 +209,7 @@ class Shelf:
         return found
 
     def pictures(self, names: Sequence[str]) -> Sequence[Image]:
-        """Stored frames as a sequence that reads each when it is asked for."""
+        """Stored frames as a sequence that reads each when it is asked for, and keeps the latest."""
         return _Pictures(self, names)
 
     def _path(self, number: int) -> Path:
@@ -287,12 +289,21 @@ def has_journal(folder: Path) -> bool:
 class _Pictures(Sequence[Image]):
     def __init__(self, shelf: Shelf, names: Sequence[str]) -> None:
         self._shelf, self._names = shelf, names
+        self._kept: OrderedDict[int, Image] = OrderedDict()
+        self._bytes = 0
 
     def __len__(self) -> int:
         return len(self._names)
 
     def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # no slices are used
-        return self._shelf.picture(self._names[index])
+        found = self._kept.pop(index, None)
+        if found is None:
+            found = self._shelf.picture(self._names[index])
+            self._bytes += found.nbytes
+        self._kept[index] = found
+        while self._bytes > PICTURES_BYTES:
+            self._bytes -= self._kept.popitem(last=False)[1].nbytes
+        return found
 
     def __iter__(self) -> Iterator[Image]:
-        return (self._shelf.picture(name) for name in self._names)
+        return (self[k] for k in range(len(self)))

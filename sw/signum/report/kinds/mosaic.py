@@ -4,9 +4,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgba
+from matplotlib.lines import Line2D
 
 from signum.report.page import Section, plot, row, table
 from signum.report.pictures import picture
@@ -71,21 +75,24 @@ def _graph(edges: Columns, piece: Columns, kinds: list[str]) -> str:
     at = _centres(piece)
     good = edges.numbers("accepted") > 0
     fig, ax = plt.subplots(figsize=(6, 6))
-    labelled: set[str] = set()
-    for i in sorted(range(edges.rows), key=lambda k: bool(good[k])):
-        a, b = edges.text["frame_a"][i], edges.text["frame_b"][i]
-        if a in at and b in at:
-            label = kinds[i] if good[i] else "refused"
-            ax.plot([at[a].real, at[b].real], [at[a].imag, at[b].imag], label=None if label in labelled else label,
-                    color=COLOURS.get(label, "tab:red"), lw=1.2 if good[i] else 0.5, alpha=0.9 if good[i] else 0.4)
-            labelled.add(label)
+    shown = [i for i in sorted(range(edges.rows), key=lambda k: bool(good[k]))
+             if edges.text["frame_a"][i] in at and edges.text["frame_b"][i] in at]
+    labels = [kinds[i] if good[i] else "refused" for i in shown]
+    ends = [[(z.real, z.imag) for z in (at[edges.text[name][i]] for name in ("frame_a", "frame_b"))] for i in shown]
+    styles: dict[str, dict[str, Any]] = {
+        label: {"color": COLOURS.get(label, "tab:red"), "lw": 1.2, "alpha": 0.9} for label in labels}
+    if "refused" in styles:
+        styles["refused"] |= {"lw": 0.5, "alpha": 0.4}
+    ax.add_collection(LineCollection(
+        ends, colors=[to_rgba(styles[label]["color"], styles[label]["alpha"]) for label in labels],
+        linewidths=[styles[label]["lw"] for label in labels], capstyle="projecting", joinstyle="round", zorder=2))
     x, y = [z.real for z in at.values()], [z.imag for z in at.values()]
     ax.plot(x, y, "k.", ms=4)
     ax.set(xlabel="x, px", ylabel="y, px")
     ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
-    if labelled:
-        ax.legend(fontsize=8)
+    if styles:
+        ax.legend([Line2D([], [], **style) for style in styles.values()], list(styles), fontsize=8)
     return plot(fig, "frame centres in the mosaic plane and the edges between them")
 
 
