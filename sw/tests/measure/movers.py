@@ -40,6 +40,7 @@ class Scene:
         background: motion of the photograph, pixels of the first picture -> of the second.
         own: of the thing's centre in the second picture from where the background would have carried it, pixels.
         label: what the pictures show.
+        depth: median difference of the thing's pixels from those around them, grey levels in clear water.
     """
 
     before: Image
@@ -48,6 +49,12 @@ class Scene:
     background: Similarity
     own: tuple[float, float]
     label: str
+    depth: float = 0.0
+
+    @property
+    def plain(self) -> bool:
+        """Whether figure 8, which leaves a fourth of the contrast, leaves less than a level of most of the thing."""
+        return self.depth < 4
 
 
 def scene(seed: int, side: int | None, murky: bool = False, photo: str | None = None) -> Scene:
@@ -69,10 +76,12 @@ def scene(seed: int, side: int | None, murky: bool = False, photo: str | None = 
     start = [float(rng.uniform(12, n - m - 12)) for n, m in zip(ground.shape[::-1], SIZE, strict=True)]
     place = Similarity(shift=-complex(*start))
     before, after = (_seen(ground, motion @ place) for motion in (Similarity(), background))
-    mask, own = np.zeros(SIZE[::-1], bool), (0.0, 0.0)
+    mask, own, depth = np.zeros(SIZE[::-1], bool), (0.0, 0.0), 0.0
     if side is not None:
         other = THINGS[int(rng.integers(len(THINGS)))]
         thing, shape = _thing(rng, other, side)
+        levels = thing.astype(np.float32)
+        depth = float(np.median(np.abs(levels - cv2.GaussianBlur(levels, (0, 0), 2))[shape > 0]))
         centre = [float(rng.uniform(side / 2 + 12, n - side / 2 - 12)) for n in SIZE]
         angle, speed = rng.uniform(0, 2 * math.pi), rng.uniform(4, 9)
         own = float(speed * math.cos(angle)), float(speed * math.sin(angle))
@@ -86,7 +95,7 @@ def scene(seed: int, side: int | None, murky: bool = False, photo: str | None = 
         mask, name = cover > 0.5, f"{other} of {side} px on {name}"
     if murky:
         before, after = murky_pair((before, after), 2 * seed)
-    return Scene(before, after, mask, background, own, f"{seed}: {name}{', murky' if murky else ''}")
+    return Scene(before, after, mask, background, own, f"{seed}: {name}{', murky' if murky else ''}", depth)
 
 
 def large_photo(name: str) -> Image:
