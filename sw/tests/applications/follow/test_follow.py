@@ -132,8 +132,8 @@ def test_terrain_alone_is_no_fish(turn: float) -> None:
         world.step(0.1)
 
 
-def test_the_dense_engine_follows_a_fish_over_terrain_more_exactly_and_finds_none_without() -> None:
-    """The camera moves and turns over relief; the mask's middle is steadier than that of coarse windows."""
+def test_the_dense_engine_follows_a_fish_over_terrain_and_finds_none_without() -> None:
+    """The camera moves and turns over relief."""
     sights = [Sight(np.array([0.02 * k, 0.01 * k, -3.0]), rotation(0.0, 0.0, 0.01 * k) @ LOOK_DOWN) for k in range(7)]
     floor = Seafloor(extent=5.0, relief=0.05, texel=0.005)
     empty, eye = World(floor, COASTAL), DenseEye(Measurer(GoldenBoard(DENSE), CAMERA.size, 2.0))
