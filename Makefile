@@ -88,6 +88,10 @@ links: setup ## Links of real and rendered surveys against SIFT and truth, tilte
 dense-bars: setup ## Dense stereo and flow against the truth, clean and murky, held to bars (SEED=1; a minute)
 	@PYTHONPATH=sw $(PY) -m tests.dense_bars $(if $(SEED),--seed $(SEED))
 
+.PHONY: moving-bars
+moving-bars: setup ## What moves by itself at full resolution, photographs with a thing that moves otherwise, clean and murky, held to bars (SEED=1; 4 minutes)
+	@PYTHONPATH=sw $(PY) -m tests.moving_bars $(if $(SEED),--seed $(SEED))
+
 .PHONY: navigate-bars
 navigate-bars: setup ## Small views found in a mosaic without a prior, clear and murky, held to bars (SEED=1)
 	@PYTHONPATH=sw $(PY) -m tests.localising $(if $(SEED),--seed $(SEED))

@@ -23,7 +23,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "out" / "regs"
 SUFFIXES = {"_px": "pixels", "_m": "metres", "_deg": "degrees", "_s": "seconds"}
 UNITS = {
-    "frame": "name", "frame_a": "name", "frame_b": "name", "name": "name", "feature": "number", "kind": "word",
+    "frame": "name", "frame_a": "name", "frame_b": "name", "name": "name", "feature": "number", "object": "number",
+    "kind": "word",
     "state": "word", "reason": "phrase, empty if accepted", "method": "word", "error": "word", "unit": "word",
     "section": "word", "figure": "phrase", "relation": "sign", "score": "matching fraction, 0 to 1",
     "margin": "matching fraction", "valid": "0 or 1", "accepted": "0 or 1", "sharp": "0 or 1", "met": "0 or 1",
@@ -155,10 +156,11 @@ SECTIONS = {
     "Measurements": "Measurer View Query Measurement Reason Rules",
     "Flow, range, tracks": "measure_flow FlowField measure_range RangeMap Tracker TrackPoint TrackSettings",
     "Flow and range at every pixel": "measure_dense_flow DenseFlowRules measure_dense_range DenseStereoRules",
+    "What moves by itself": "segment_moving Moving MovingObject MovingRules Background",
     "Calibration": "open_lens Lens open_rig Rig Rectifier StereoGeometry read_mono read_stereo",
     "Mosaics": "Registrar Registration RegistrationLimits Similarity Survey SurveySettings",
     "Hover": "StationMeter Reading Level MavlinkSink",
-    "Following": "Follower Target RangeEye MotionEye",
+    "Following": "Follower Target RangeEye MotionEye DenseEye",
     "Navigation": "Localiser LocaliseLimits Chart Place",
     "Errors": "SignumError SourceError",
 }

@@ -16,7 +16,7 @@
 // Throughput : a pixel per clock in a row; rows max(image_width + 2 * Lanes + 1, Offsets + Width + 8) clocks apart.
 // Flow       : the sink may stop for any time. A row starts when there is room for its words and those of the rows under
 //              way, so no word is lost. With a sink that is always ready a row's places are taken for image_width + 3 *
-//              Offsets + 46 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
+//              Offsets + 47 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
 // Rules      : start_i counts while busy_o is low; job and image size are taken over with it. image_width_i is 2 * Lanes or
 //              more. A slot in slot_busy_o is not written. rd_data_i is StoreLatency clocks after rd_valid_o.
 // Cancel     : no row is started any more; the words under way are followed by one in which nothing is found, with

@@ -39,7 +39,7 @@ module slog_dense_out
     output map_t           map_tdata_o,
     output logic           map_tuser_o,
     output logic           map_tlast_o,
-    output logic           taken_o          // pulse: the sink took a word in the clock before
+    output logic           taken_o          // pulse: the sink took a word two clocks ago
 );
   localparam checked_t Nothing = '{found: 1'b0, agrees: 1'b0, index: '0, default: Absent};
 
@@ -122,7 +122,8 @@ module slog_dense_out
   // The nine zeros are not stored.
   localparam int unsigned StoredW = $bits(word_t) - 9;
   logic [StoredW-1:0] stored, offered, shown;
-  logic some, take, taken_q;
+  logic some, take;
+  logic taken_q, taken_q2;                 // the sink lies at the pins, far from where the words are counted
   /* verilator lint_off UNUSEDSIGNAL */
   logic room;                              // only asserted: slog_dense_room has seen to it
   logic [$clog2(Depth + 1)-1:0] level;
@@ -156,13 +157,18 @@ module slog_dense_out
       .out_data_o (shown)
   );
   always_ff @(posedge clk_i) begin
-    if (rst_i) taken_q <= 1'b0;
-    else taken_q <= map_tvalid_o && map_tready_i;
+    if (rst_i) begin
+      taken_q  <= 1'b0;
+      taken_q2 <= 1'b0;
+    end else begin
+      taken_q  <= map_tvalid_o && map_tready_i;
+      taken_q2 <= taken_q;
+    end
   end
   assign map_tuser_o = shown[StoredW-1];
   assign map_tlast_o = shown[StoredW-2];
   assign map_tdata_o = {9'd0, shown[StoredW-3:0]};
-  assign taken_o     = taken_q;
+  assign taken_o     = taken_q2;
 
   `SLOG_ASSERT(SlogDenseOutRoom, !push_q || room)
   `SLOG_ASSERT(SlogDenseOutTail, !(tail_q && emit_q))

@@ -15,8 +15,9 @@
 - Measurements: `Measurer` takes `View`s and answers each `Query` with a `Measurement`, validated by `Rules`, whose
   `valid` and `reason` must be looked at.
 - Tasks: `measure_flow`, `measure_range` (stereo), both at every pixel on a `DENSE` board (`measure_dense_flow`,
-  `measure_dense_range`), `Tracker`, `Registrar`, `Survey` (mosaics), `StationMeter` (hover) and `MavlinkSink`,
-  `Follower` (with `RangeEye` or `MotionEye`), `Localiser` in a `Chart`.
+  `measure_dense_range`) and there what moves by itself (`segment_moving`), `Tracker`, `Registrar`, `Survey` (mosaics),
+  `StationMeter` (hover) and `MavlinkSink`, `Follower` (with `RangeEye`, `MotionEye` or `DenseEye`), `Localiser` in a
+  `Chart`.
 - Frames: `open_source` gives a `Source` of `Frame`s; `Fit` scales them for the board; `open_lens` and `open_rig`
   open calibrations. `SignumError` and those derived from it have one line that names the remedy.
 
@@ -34,15 +35,16 @@ from signum.common.version import VERSION
 __version__ = VERSION
 
 __all__ = [
-    "DENSE", "FULL", "NO_SCORE", "TINY", "Board", "BoardError", "Chart", "Config", "DenseFlowRules", "DenseJob",
-    "DensePass", "DenseResult", "DenseStereoRules", "Fit", "FlowField", "Follower", "Frame", "Identification",
-    "Job", "Lens", "Level", "LocaliseLimits", "Localiser", "MavlinkSink", "Measurement", "Measurer", "MotionEye",
-    "Peak", "Place", "Query", "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar", "Registration",
-    "RegistrationLimits", "Result", "Rig", "Rules", "SignumError", "Similarity", "Source", "SourceError",
-    "StationMeter", "Status", "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings",
-    "Tracker", "View", "grid", "locate_peaks", "measure_dense_flow", "measure_dense_range", "measure_flow",
-    "measure_range", "open_board", "open_lens", "open_rig", "open_source", "read_mono", "read_picture",
-    "read_stereo", "run_jobs",
+    "DENSE", "FULL", "NO_SCORE", "TINY", "Background", "Board", "BoardError", "Chart", "Config", "DenseEye",
+    "DenseFlowRules", "DenseJob", "DensePass", "DenseResult", "DenseStereoRules", "Fit", "FlowField", "Follower",
+    "Frame", "Identification", "Job", "Lens", "Level", "LocaliseLimits", "Localiser", "MavlinkSink",
+    "Measurement", "Measurer", "MotionEye", "Moving", "MovingObject", "MovingRules", "Peak", "Place", "Query",
+    "RangeEye", "RangeMap", "Reading", "Reason", "Rectifier", "Registrar", "Registration", "RegistrationLimits",
+    "Result", "Rig", "Rules", "SignumError", "Similarity", "Source", "SourceError", "StationMeter", "Status",
+    "StereoGeometry", "Survey", "SurveySettings", "Target", "TrackPoint", "TrackSettings", "Tracker", "View",
+    "grid", "locate_peaks", "measure_dense_flow", "measure_dense_range", "measure_flow", "measure_range",
+    "open_board", "open_lens", "open_rig", "open_source", "read_mono", "read_picture", "read_stereo", "run_jobs",
+    "segment_moving",
 ]
 
 _MODULES = {
@@ -50,7 +52,7 @@ _MODULES = {
     "golden.dense": ("DensePass",),
     "golden.dense_job": ("DenseJob", "DenseResult"),
     "golden.params": ("DENSE", "FULL", "NO_SCORE", "TINY", "Config"),
-    "signum.applications.follow.eyes": ("MotionEye", "RangeEye"),
+    "signum.applications.follow.eyes": ("DenseEye", "MotionEye", "RangeEye"),
     "signum.applications.follow.follower": ("Follower", "Target"),
     "signum.applications.mavlink.sink": ("MavlinkSink",),
     "signum.applications.hold.meter": ("StationMeter",),
@@ -69,10 +71,12 @@ _MODULES = {
     "signum.geometry.lens": ("Lens",),
     "signum.geometry.rig": ("Rectifier", "Rig", "StereoGeometry"),
     "signum.geometry.similarity": ("Similarity",),
+    "signum.measure.background": ("Background",),
     "signum.measure.dense_flow": ("DenseFlowRules", "measure_dense_flow"),
     "signum.measure.dense_stereo": ("DenseStereoRules", "measure_dense_range"),
     "signum.measure.flow": ("FlowField", "measure_flow"),
     "signum.measure.measurer": ("Measurement", "Measurer", "Query", "View"),
+    "signum.measure.moving": ("Moving", "MovingObject", "MovingRules", "segment_moving"),
     "signum.measure.peak": ("Peak", "locate_peaks"),
     "signum.measure.register": ("Registrar",),
     "signum.measure.registration": ("Registration", "RegistrationLimits"),
@@ -88,7 +92,7 @@ if TYPE_CHECKING:
     from golden.dense import DensePass
     from golden.dense_job import DenseJob, DenseResult
     from golden.params import DENSE, FULL, NO_SCORE, TINY, Config
-    from signum.applications.follow.eyes import MotionEye, RangeEye
+    from signum.applications.follow.eyes import DenseEye, MotionEye, RangeEye
     from signum.applications.follow.follower import Follower, Target
     from signum.applications.hold.meter import StationMeter
     from signum.applications.hold.reading import Level, Reading
@@ -107,10 +111,12 @@ if TYPE_CHECKING:
     from signum.geometry.lens import Lens
     from signum.geometry.rig import Rectifier, Rig, StereoGeometry
     from signum.geometry.similarity import Similarity
+    from signum.measure.background import Background
     from signum.measure.dense_flow import DenseFlowRules, measure_dense_flow
     from signum.measure.dense_stereo import DenseStereoRules, measure_dense_range
     from signum.measure.flow import FlowField, measure_flow
     from signum.measure.measurer import Measurement, Measurer, Query, View
+    from signum.measure.moving import Moving, MovingObject, MovingRules, segment_moving
     from signum.measure.peak import Peak, locate_peaks
     from signum.measure.register import Registrar
     from signum.measure.registration import Registration, RegistrationLimits

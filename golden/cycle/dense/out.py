@@ -32,7 +32,8 @@ class DenseOutModel:
         self.begun = False
         self.judged: tuple[int, bool] | None = None
         self.queued: int | None = None
-        self.taken = 0
+        self.taken = (0, 0)
+        """Whether the sink took a word one and two clocks ago."""
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -43,11 +44,12 @@ class DenseOutModel:
         shown = self.stage.step({"rst_i": i["rst_i"], "in_valid_i": or_zero(front["out_valid_o"]),
                                  "in_data_i": or_zero(front["out_data_o"]), "out_ready_i": i["map_tready_i"]})
         word = shown["out_data_o"]
-        out: Values = {"map_tvalid_o": shown["out_valid_o"], "taken_o": self.taken,
+        out: Values = {"map_tvalid_o": shown["out_valid_o"], "taken_o": self.taken[1],
                        "map_tdata_o": None if word is None else word >> 2,
                        "map_tuser_o": None if word is None else word & 1,
                        "map_tlast_o": None if word is None else word >> 1 & 1}
-        self.taken = 0 if i["rst_i"] else or_zero(shown["out_valid_o"]) & i["map_tready_i"]
+        took = or_zero(shown["out_valid_o"]) & i["map_tready_i"]
+        self.taken = (0, 0) if i["rst_i"] else (took, self.taken[0])
         self._judge(i)
         return out
 

@@ -15,6 +15,7 @@ from signum.applications.mavlink.flow import FlowSink
 from signum.commands.app import command
 from signum.commands.focal import focal_px
 from signum.commands.in_step import InStep
+from signum.commands.moving import MovingRecord
 from signum.commands.options import (
     BOARD,
     SOURCE,
@@ -39,6 +40,7 @@ from signum.measure.flow import FlowField, measure_flow
 from signum.measure.measurer import Measurer, View
 from signum.report.draw import draw_flow
 from signum.report.movie import Movie
+from signum.report.outlines import draw_outlines
 from signum.report.rows import flow_rows
 from signum.report.wheel import draw_wheel_flow
 from signum.tables.schemas import FLOW
@@ -61,6 +63,9 @@ class FlowGrid:
         "--window", rich_help_panel=BOARD, min=8, max=128, show_default="64; 32 with --dense",
         help="Side of the correlation windows, pixels of the board's picture.")] = None
     dense: DenseOption = False
+    moving: Annotated[bool, typer.Option(
+        "--moving", rich_help_panel=BOARD, help="With --dense: what moves by itself, too, against the motion that "
+        "most of the picture has.")] = False
     step: Annotated[int | None, typer.Option(
         "--step", min=1, show_default="32; 8 with --dense", help="Grid of the field, pixels of the board's picture.")
     ] = None
@@ -78,8 +83,10 @@ class FlowGrid:
         """Grid of the field, pixels of the board's picture.
 
         Raises:
-            SignumError: if it is too fine for a board without the dense engine.
+            SignumError: if it is too fine for a board without the dense engine, or such a board is to find what moves.
         """
+        if self.moving and not self.dense:
+            raise SignumError("--moving: only the dense engine can tell it; add --dense")
         step = self.step or (8 if self.dense else 32)
         if step < LEAST_STEP and not self.dense:
             raise SignumError(f"--step {step}: choose {LEAST_STEP} or more, or --dense")
@@ -115,7 +122,8 @@ def flow(
 ) -> None:
     """Optical flow from frame to frame: `flow.csv`, `flow.mp4`, every tenth field as `flow_NAME.png`, `report.html`;
     to an autopilot, OPTICAL_FLOW. With `--dense` windows lie side by side all over the picture, drawn as a colour wheel
-    has it: the hue is the direction.
+    has it: the hue is the direction. With `--moving` what moves by itself is outlined there, listed in `moving.csv`,
+    and masked in `moving_NAME.png`.
 
     Example: `signum flow dive.mp4 --step 24 --out out/flow`
     """
@@ -129,9 +137,11 @@ def flow(
         run.page()
         table, movie = run.table("flow.csv", FLOW), Movie(run.file("flow.mp4"))
         run.at_end(movie.close)
+        movers = MovingRecord(run, search.reach) if search.moving else None
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: f"{output / 'flow.csv'}: {run.done} frames" + (
-            f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow") + teller.said
+            f", {np.mean(shares):.0%} of the windows valid" if shares else ": a single frame has no flow"
+        ) + teller.said + (movers.said if movers else "")
         last: tuple[Frame, View] | None = None
         guess = (0.0, 0.0)
         for frame in run.steps("flow", run.frames(), run.source.count):
@@ -141,11 +151,15 @@ def flow(
                 guess = field.dominant()
                 teller.send(last[0], frame, field)
                 run.refused.update(field.refused)
-                measurer.release(last[1])
                 table.write_numbers(*flow_rows(last[0], frame, field, fit))
-                shown = draw(fit.show(last[0].picture), field)
+                shown, due = draw(fit.show(last[0].picture), field), run.done % pictures == 1 % pictures
+                if movers is not None:
+                    moving = movers.find(measurer, (last[1], live), field)
+                    movers.write(last[0], frame, moving, due)
+                    shown = draw_outlines(shown, moving)
+                measurer.release(last[1])
                 movie.write(shown)
-                if run.done % pictures == 1 % pictures:
+                if due:
                     write_picture(run.file(f"flow_{name_part(last[0].name)}.png"), shown)
                 shares.append(float(field.valid.mean()))
                 run.report = run.report_folder

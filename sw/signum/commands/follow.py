@@ -12,7 +12,8 @@ from typing import Annotated
 
 import typer
 
-from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye
+from golden.params import DENSE, FULL
+from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, DenseEye, Eye, MotionEye, RangeEye
 from signum.applications.follow.follower import State, Target
 from signum.applications.follow.judge import ChaseRow, judge_chase
 from signum.applications.follow.page import draw_chase, draw_states, follow_bars, follow_section
@@ -84,7 +85,27 @@ class FollowWorld:
                                                 help="Second at which the fish darts out of view.")] = None
 
 
-NO_SOURCE, WORLD_DEFAULTS = FollowSource(), FollowWorld()
+@dataclass(frozen=True)
+class FollowBoard:
+    """The board, its filter and the windows."""
+
+    board: BoardOption = BoardName.golden
+    sigma: SigmaOption = 2.0
+    window: Annotated[int | None, typer.Option(
+        "--window", rich_help_panel=BOARD, min=8, max=128, help="Side of the windows, pixels of the board's picture.",
+        show_default=f"{RANGE_WINDOW} by range, {MOTION_WINDOW} by motion")] = None
+    dense: Annotated[bool, typer.Option(
+        "--dense", rich_help_panel=BOARD, help="By motion: find what moves by itself at every pixel, on a board "
+        "with the dense engine.")] = False
+
+    @property
+    def chosen(self) -> BoardOptions:
+        """The board, its filter, and the window that frames must hold."""
+        return BoardOptions(self.board, self.sigma, (self.window or MOTION_WINDOW) if self.dense
+                            else max(LEAST, self.window or 0))
+
+
+NO_SOURCE, WORLD_DEFAULTS, BOARD_DEFAULTS = FollowSource(), FollowWorld(), FollowBoard()
 
 
 @command()
@@ -93,11 +114,7 @@ def follow(
     output: OutOption = Path("out/follow"),
     film: Annotated[bool, typer.Option("--film", rich_help_panel=OUTPUT, help="Write follow.mp4 too.")] = False,
     seconds: SecondsOption = None,
-    board: BoardOption = BoardName.golden,
-    sigma: SigmaOption = 2.0,
-    window: Annotated[int | None, typer.Option(
-        "--window", rich_help_panel=BOARD, min=8, max=128, help="Side of the windows, pixels of the board's picture.",
-        show_default=f"{RANGE_WINDOW} by range, {MOTION_WINDOW} by motion")] = None,
+    chosen: FollowBoard = BOARD_DEFAULTS,
     simulation: FollowWorld = WORLD_DEFAULTS,
 ) -> None:
     """Follow a fish: `follow.csv` with its blob for every frame and `report.html`. A simulated vehicle with a pan/tilt
@@ -109,14 +126,17 @@ def follow(
         raise SignumError("--right and --calibration belong to a --source")
     if (recorded.right is None) != (recorded.calibration is None):
         raise SignumError("range needs both --right and --calibration; leave both out to segment by motion")
-    with Session("follow", BoardOptions(board, sigma, max(LEAST, window or 0)), output, recorded.source,
-                 rate=recorded.rate) as run:
+    if chosen.dense and (recorded.right if recorded.source else simulation.where is Where.MIDWATER):
+        raise SignumError("--dense: finds what moves by itself, not what is near: choose "
+                          + ("a --source without --right" if recorded.source else "--where terrain, or a --source"))
+    with Session("follow", chosen.chosen, output, recorded.source, rate=recorded.rate,
+                 config=DENSE if chosen.dense else FULL) as run:
         if recorded.source is None:
-            chase = Chase(simulation.where, seconds or 60.0, seed=simulation.seed, window=window,
-                          darts=() if simulation.darts is None else (simulation.darts,))
+            chase = Chase(simulation.where, seconds or 60.0, seed=simulation.seed, window=chosen.window,
+                          darts=() if simulation.darts is None else (simulation.darts,), dense=chosen.dense)
             _chase(run, chase, film)
         else:
-            _watch(run, recorded, seconds, film, window)
+            _watch(run, recorded, seconds, film, chosen)
 
 
 def _chase(run: Session, chase: Chase, film: bool) -> None:
@@ -147,18 +167,18 @@ def _chase(run: Session, chase: Chase, film: bool) -> None:
         run.tell(str(g.target.state))
 
 
-def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bool, window: int | None) -> None:
+def _watch(run: Session, recorded: FollowSource, seconds: float | None, film: bool, chosen: FollowBoard) -> None:
     """Open loop, on frames from elsewhere."""
     other = None if recorded.right is None else open_source(recorded.right)
     fit, measurer, rate = run.fit, run.measurer(run.fit.board), recorded.rate or run.source.rate or FRAME_RATE
     rectifier = None
     if recorded.calibration is not None:
         rectifier = open_rig(recorded.calibration).rectifier(run.first.size)
-    eye: Eye = MotionEye(measurer, window=window or MOTION_WINDOW)
+    eye: Eye = (DenseEye if chosen.dense else MotionEye)(measurer, window=chosen.window or MOTION_WINDOW)
     if rectifier is not None:
         g, k = rectifier.geometry, fit.factor[0]
         scaled = StereoGeometry(g.focal / k, g.baseline, (g.centre[0] / k, g.centre[1] / k), g.shift / k)
-        eye = RangeEye(measurer, scaled, recorded.nearer, window=window or RANGE_WINDOW)
+        eye = RangeEye(measurer, scaled, recorded.nearer, window=chosen.window or RANGE_WINDOW)
     count = run.source.count
     total = count if seconds is None else min(round(seconds * rate), count or round(seconds * rate))
     record = _record(run, FollowRecord(_claimed(run, film), False, rate, film, max(2.0, (total or 600) / rate / 6)))

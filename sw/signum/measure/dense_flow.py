@@ -13,13 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from signum.common.arrays import Floats
 from signum.measure.consensus import ConsensusRules, agree_around
 from signum.measure.flow import LONELY, FlowField
 from signum.measure.measurer import Measurer, View
-from signum.measure.subpixel import leaning_offsets
 from signum.measure.validity import Reason
-from signum.measure.winners import NONE, Winners, search_places, search_winners
+from signum.measure.winners import search_places, search_winners
 
 Flags = NDArray[np.bool_]
 STRIDES = 4
@@ -77,14 +75,14 @@ def measure_dense_flow(measurer: Measurer, before: View, after: View, window: in
     found = search_winners(measurer, (before, after), window, (left, right), (up, down), step)
     back = search_places(measurer, (after, before), window, (-right, -left), (-down, -up))
     area = float(window**2)
-    known = found.found & (found.around < NONE).all((0, 1)) & (np.abs(found.lean) <= rules.most_lean).all(0)
+    known = found.whole & (np.abs(found.lean) <= rules.most_lean).all(0)
     score = np.where(found.found, 1 - found.best / area, 0.0)
     margin = np.where(found.found, (np.minimum(found.rest, area) - found.best) / area, 0.0)
     reasons = {Reason.OUTSIDE: ~found.found, Reason.SCORE: score < rules.min_score, Reason.BORDER: ~known,
                Reason.RETURN: ~found.agreeing(back)}
     measured = ~np.any(list(reasons.values()), axis=0)
     sure = measured & (score >= rules.sure_score) & (margin >= rules.sure_margin)
-    dx, dy = _positions(found, known, area)
+    dx, dy = found.fine(known, area)
     first = -(-(window - 1) // step)  # the first window that lies in the picture
     inner = slice(first, None), slice(first, None)
     away = max(1, round(rules.neighbourhood * window / step))
@@ -102,12 +100,3 @@ def _refused(reasons: dict[str, Flags], valid: Flags) -> dict[str, int]:
         counts[reason] = int((left & bad).sum())
         left = left & ~bad
     return {reason: count for reason, count in counts.items() if count}
-
-
-def _positions(found: Winners, known: Flags, area: float) -> tuple[Floats, Floats]:
-    """The displacements to a fraction of a pixel where what lies around them is known."""
-    dx, dy = found.dx.astype(np.float64), found.dy.astype(np.float64)
-    offsets = leaning_offsets(area - found.around[:, :, known].transpose(2, 0, 1), found.lean[:, known].T, area)
-    dx[known] += offsets[:, 0]
-    dy[known] += offsets[:, 1]
-    return dx, dy

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.dense import ABSENT, AGREEMENT, DensePass
+from signum.common.arrays import Floats
 from signum.measure.measurer import Measurer, View
+from signum.measure.subpixel import leaning_offsets
 
 Whole = NDArray[np.int32]
 """A count or a displacement for each answered pixel, (ny, nx)."""
@@ -77,10 +79,28 @@ class Winners(Places):
         """Mismatches at the best displacement."""
         return np.asarray(self.around[1, 1])
 
+    @property
+    def whole(self) -> Flags:
+        """Where all that lies around the best displacement was searched."""
+        return np.asarray(self.found & (self.around < NONE).all((0, 1)))
+
     def returned(self, back: Callable[[], Places]) -> Flags:
         """Whether the second view's windows find the same: as the engine found it, or by the places that `back`
         searches for, see `agreeing`."""
         return self.agreeing(back()) if self.checked is None else self.checked
+
+    def fine(self, known: Flags, area: float) -> tuple[Floats, Floats]:
+        """The best displacements to a fraction of a pixel, (ny, nx) each, whole where not `known`.
+
+        Args:
+            known: some of `whole`.
+            area: pixels of a window.
+        """
+        dx, dy = self.dx.astype(np.float64), self.dy.astype(np.float64)
+        offsets = leaning_offsets(area - self.around[:, :, known].transpose(2, 0, 1), self.lean[:, known].T, area)
+        dx[known] += offsets[:, 0]
+        dy[known] += offsets[:, 1]
+        return dx, dy
 
 
 @dataclass(frozen=True, eq=False)

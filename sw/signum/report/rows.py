@@ -11,6 +11,7 @@ from signum.frames.fit import Fit
 from signum.frames.frame import Frame
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
+from signum.measure.moving import Moving
 from signum.measure.stereo import RangeMap
 from signum.measure.track import TrackPoint
 
@@ -22,8 +23,7 @@ def seconds(time: float | None) -> str:
 
 def flow_rows(a: Frame, b: Frame, field: FlowField, fit: Fit) -> tuple[list[object], Iterator[str]]:
     """Rows of `flow.csv` from a field in pixels of the board's picture, as `Table.write_numbers` takes them."""
-    step = None if a.time_s is None or b.time_s is None else b.time_s - a.time_s
-    return [a.name, b.name, seconds(b.time_s), seconds(step)], _flow_numbers(field, fit.factor)
+    return _pair_cells(a, b), _flow_numbers(field, fit.factor)
 
 
 def _flow_numbers(field: FlowField, factor: tuple[float, float]) -> Iterator[str]:
@@ -34,6 +34,23 @@ def _flow_numbers(field: FlowField, factor: tuple[float, float]) -> Iterator[str
         down = f"{(y + 0.5) * ky - 0.5:.1f}"
         for x, good, dx, dy, score in zip(xs, valid, *values, strict=True):
             yield f"{x},{down},{dx:.3f},{dy:.3f},{score:.4f},1" if good else f"{x},{down},,,{score:.4f},0"
+
+
+def moving_rows(a: Frame, b: Frame, moving: Moving, fit: Fit) -> Iterator[list[object]]:
+    """Rows of `moving.csv` from objects in pixels of the board's picture."""
+    head, (kx, ky) = _pair_cells(a, b), fit.factor
+    for n, one in enumerate(moving.objects, 1):
+        centre = f"{(one.x + 0.5) * kx - 0.5:.1f}", f"{(one.y + 0.5) * ky - 0.5:.1f}"
+        box = (f"{side * k:.0f}" for side, k in ((one.left, kx), (one.top, ky), (one.width, kx), (one.height, ky)))
+        moved = (f"{d * k:.3f}" for d, k in ((one.dx, kx), (one.dy, ky), (one.own_dx, kx), (one.own_dy, ky)))
+        yield [*head, n, *centre, *box, f"{one.area * kx * ky:.0f}", *moved, f"{one.score:.4f}", f"{one.margin:.4f}",
+               one.confidence]
+
+
+def _pair_cells(a: Frame, b: Frame) -> list[object]:
+    """How a row begins that is of two frames."""
+    step = None if a.time_s is None or b.time_s is None else b.time_s - a.time_s
+    return [a.name, b.name, seconds(b.time_s), seconds(step)]
 
 
 def disparity_rows(frame: Frame, found: RangeMap, geometry: StereoGeometry | None) -> Iterator[list[object]]:

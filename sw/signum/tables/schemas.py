@@ -18,6 +18,12 @@ tracker's estimate, for the worst of them. The last two are empty if no feature 
 FLOW = "frame_a", "frame_b", "time_s", "step_s", "x_px", "y_px", "dx_px", "dy_px", "score", "valid"
 """`flow.csv`: displacement (dx, dy) in frame b of the window at (x, y) of frame a, empty where not valid. The
 time is frame b's, the step that from frame a to it."""
+MOVING = ("frame_a", "frame_b", "time_s", "step_s", "object", "x_px", "y_px", "left_px", "top_px", "width_px",
+          "height_px", "area_px", "dx_px", "dy_px", "own_dx_px", "own_dy_px", "score", "margin", "confidence")
+"""`moving.csv`: what moves by itself in frame a, one row an object: its number, the largest is 1; centroid and box;
+area, original pixels; displacement of the centroid in frame b, and the same less the background's there; score of its
+windows by its motion, and by how much it exceeds that by the background's; confidence, 0..100, the percentage of its
+windows whose own search found its motion. A pair of frames without such an object has no row."""
 DISPARITY = "frame", "time_s", "x_px", "y_px", "disparity_px", "range_m", "score", "margin", "valid"
 """`disparity.csv`: disparity and range at (x, y) of the rectified left frame; empty where not valid or not known."""
 HOLD = ("frame", "time_s", "x_m", "y_m", "rot_deg", "scale", "range_m", "confidence", "agreed", "tried", "error_m",

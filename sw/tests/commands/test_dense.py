@@ -18,6 +18,7 @@ from signum.common.files import write_picture
 from signum.frames.frame import read_picture
 from signum.measure.flow import FlowField
 from signum.report.wheel import draw_wheel_flow, wheel_colours
+from signum.tables.schemas import MOVING
 
 app = application()
 SCENE = cv2.GaussianBlur(np.random.default_rng(1).integers(0, 256, (110, 180), dtype=np.uint8), (0, 0), 0.8)
@@ -80,7 +81,49 @@ def test_a_field_in_colours(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "flow_0.png").exists()
 
 
+def test_what_moves_by_itself_is_listed_masked_and_outlined(tmp_path: Path) -> None:
+    """Frames twice as large as the board takes, of a floor that moves by 4 pixels and a patch that moves by 12."""
+    folder, rng = tmp_path / "frames", np.random.default_rng(4)
+    folder.mkdir()
+    floor, patch = (cv2.GaussianBlur(rng.integers(0, 256, size, dtype=np.uint8), (0, 0), 2.5)
+                    for size in ((560, 1300), (180, 220)))
+    for k in range(3):
+        frame = floor[:, 10 - 4 * k:1290 - 4 * k].copy()
+        frame[200:380, 300 + 12 * k:520 + 12 * k] = patch
+        write_picture(folder / f"{k}.png", frame)
+    result = _run("flow", folder, "--dense", "--moving", "--pictures", "1", "--reach", "8", "--out", tmp_path / "out")
+    assert result.exit_code == 0 and "2 objects that move by themselves" in result.output, result.output
+    rows = _rows(tmp_path / "out" / "moving.csv")
+    assert tuple(rows[0]) == MOVING and [(r["frame_a"], r["frame_b"], r["object"]) for r in rows] == [
+        ("0", "1", "1"), ("1", "2", "1")]
+    for k, one in enumerate(rows):
+        figures = {name: float(one[name]) for name in MOVING[5:]}
+        assert (figures["x_px"], figures["y_px"]) == pytest.approx((409.5 + 12 * k, 289.5), abs=12)
+        assert (figures["left_px"], figures["width_px"]) == pytest.approx((300 + 12 * k, 220), abs=30)
+        assert figures["area_px"] == pytest.approx(180 * 220, rel=0.15)
+        assert (figures["dx_px"], figures["own_dx_px"]) == pytest.approx((12, 8), abs=0.5)
+        assert abs(figures["own_dy_px"]) < 0.5 and figures["confidence"] > 80
+    mask = read_picture(tmp_path / "out" / "moving_1.png")
+    assert mask.shape == (280, 640) and set(np.unique(mask)) == {0, 255}, "the board's picture"
+    assert (mask == 255).sum() * 4 == pytest.approx(float(rows[1]["area_px"]), abs=3)
+    outlined = cv2.imread(str(tmp_path / "out" / "flow_1.png"))
+    assert outlined is not None and (outlined == (0, 230, 255)).all(-1).sum() > 200
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "What moves by itself" in page and "--moving" in page
+
+
+def test_nothing_that_moves_by_itself_is_a_table_without_rows(tmp_path: Path) -> None:
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    _pair(folder, 3, 1)
+    result = _run("flow", folder, "--dense", "--moving", "--out", tmp_path / "out")
+    assert result.exit_code == 0 and "0 objects" in result.output, result.output
+    assert _rows(tmp_path / "out" / "moving.csv") == []
+    assert "objects, over all pairs of frames" in (tmp_path / "out" / "report.html").read_text()
+
+
 @pytest.mark.parametrize(("command", "options", "says"), [
+    ("flow", ("--moving",), "--moving: only the dense engine can tell it; add --dense"),
     ("flow", ("--dense", "--window", "64"), "--window 64: with --dense choose one of 8, 16, 32"),
     ("stereo", ("--dense", "--window", "20"), "--window 20: with --dense choose one of 8, 16, 32"),
     ("flow", ("--step", "2"), "--step 2: choose 4 or more, or --dense")])

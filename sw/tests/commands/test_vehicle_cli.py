@@ -102,8 +102,8 @@ def test_hold_simulated_has_the_truth_beside(tmp_path: Path) -> None:
     assert (tmp_path / "report.html").stat().st_size > 50000
 
 
-@pytest.mark.parametrize("window", [None, 24])
-def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray], window: int | None) -> None:
+@pytest.mark.parametrize("options", [(), ("--window", "24"), ("--dense",)])
+def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray], options: tuple[str, ...]) -> None:
     """A patch that moves over the passing floor."""
     skin = cv2.GaussianBlur(np.random.default_rng(0).normal(128, 160, (56, 72)), (0, 0), 1.5)
     frames = []
@@ -112,8 +112,7 @@ def test_follow_on_recorded_frames(tmp_path: Path, film: list[np.ndarray], windo
         shown[40:96, 30 + 6 * k:102 + 6 * k] = np.clip(skin, 0, 255)
         frames.append(shown)
     np.save(tmp_path / "film.npy", np.stack(frames))
-    result = _run("follow", "--source", tmp_path / "film.npy", "--film", "--out", tmp_path / "out",
-                  *(() if window is None else ("--window", window)))
+    result = _run("follow", "--source", tmp_path / "film.npy", "--film", "--out", tmp_path / "out", *options)
     assert result.exit_code == 0, result.output
     rows = _rows(tmp_path / "out" / "follow.csv")
     assert tuple(rows[0]) == FOLLOW and [r["state"] for r in rows] == ["lost"] * 3 + ["seen"] * 5
@@ -149,6 +148,9 @@ def test_stopped_by_the_user(tmp_path: Path, film: list[np.ndarray], monkeypatch
     (("hold", "--source", "{}/grey.npy"), "begin where the picture shows texture"),
     (("follow", "--right", "x.mp4"), "belong to a --source"),
     (("follow", "--source", "{}/grey.npy", "--right", "{}/grey.npy"), "needs both --right and --calibration"),
+    (("follow", "--dense"), "choose --where terrain, or a --source"),
+    (("follow", "--source", "{}/grey.npy", "--dense", "--right", "x", "--calibration", "y"), "without --right"),
+    (("follow", "--source", "{}/grey.npy", "--dense", "--window", "20"), "with --dense choose one of 8, 16, 32"),
     (("simulate", "hold", "--stereo"), "leave --stereo out"),
 ])
 def test_bad_input_is_one_line(tmp_path: Path, arguments: tuple[str, ...], says: str) -> None:

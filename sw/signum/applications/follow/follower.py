@@ -10,16 +10,9 @@ from enum import StrEnum
 
 from signum.applications.follow.eyes import Eye
 from signum.applications.follow.segment import Blob, Segmented, one_blob
+from signum.applications.follow.template import find_template
 from signum.common.arrays import Image
-from signum.measure.measurer import Query
-from signum.measure.validity import Rules
 
-TEMPLATE_RULES = Rules(min_score=0.66, min_margin=0.04, texture=False)
-"""Rules of the search for the fish's template."""
-TEMPLATE_PX = 48
-"""Side of the template, pixels."""
-TEMPLATE_REACH = 20
-"""Half side of the template's search range, pixels."""
 STAYS_PX = 50.0
 """Largest motion of a blob not yet confirmed from frame to frame, less the camera's rotation."""
 GATE_PX = 90.0
@@ -129,7 +122,5 @@ class Follower:
         eye, last = self.eye, self.target
         if eye.before is None or eye.live is None or last.state is State.COASTING:
             return None
-        u, v = round(last.x), round(last.y)
-        found = eye.measurer.measure([Query(eye.before, eye.live, u, v, TEMPLATE_PX, TEMPLATE_PX, (x - u, y - v),
-                                            (TEMPLATE_REACH, TEMPLATE_REACH))], TEMPLATE_RULES)[0]
-        return (last.x + found.dx_px, last.y + found.dy_px) if found.valid else None
+        moved = find_template(eye.measurer, (eye.before, eye.live), (last.x, last.y), (x, y))
+        return None if moved is None else (last.x + moved[0], last.y + moved[1])

@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from signum.common.arrays import Floats
 from signum.geometry.calibration import StereoGeometry
 from signum.measure.flow import FlowField
+from signum.measure.moving import Moving
 from signum.measure.stereo import STEREO_RULES, RangeMap
 from signum.measure.validity import Rules
 
@@ -106,6 +107,13 @@ def segment_by_motion(field: FlowField, size: tuple[int, int], disagree_px: floa
             inside = (ground > margin).all(axis=-1) & (ground < np.array(size) - 1 - margin).all(axis=-1)
             changed = ~known & inside
     return Segmented(field.x, field.y, fish, known, changed, np.full(known.shape, np.nan))
+
+
+def segment_by_mask(moving: Moving, x: Floats, y: Floats) -> Segmented:
+    """Places of a grid, x (nx,) and y (ny,), that something which moves by itself covers are fish."""
+    fish = moving.labels[np.ix_(y.astype(int), x.astype(int))] > 0
+    known = np.full(fish.shape, moving.background is not None)
+    return Segmented(x, y, fish, known, np.zeros_like(fish), np.full(fish.shape, np.nan))
 
 
 def _connected(fish: Mask, range_m: Floats) -> tuple[int, NDArray[np.int64]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, Eye, MotionEye, RangeEye
+from signum.applications.follow.eyes import MOTION_WINDOW, RANGE_WINDOW, DenseEye, Eye, MotionEye, RangeEye
 from signum.applications.follow.follower import Follower, Target
 from signum.applications.follow.judge import ChaseRow
 from signum.applications.follow.pilot import Felt, Pilot, Where
@@ -38,6 +38,7 @@ class Chase:
         darts: seconds at which the fish darts away at `dart` m/s (world) for 0.7 s, out of the view.
         seed: of everything.
         window: side of the windows, pixels; None for the eye's default.
+        dense: over terrain, whether the board with the dense engine finds what moves by itself.
     """
 
     where: Where = Where.MIDWATER
@@ -50,6 +51,7 @@ class Chase:
     dart: tuple[float, float, float] = (0.0, 3.0, 0.0)
     seed: int = 0
     window: int | None = None
+    dense: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +115,8 @@ def simulate_chase(measurer: Callable[[tuple[int, int]], Measurer], chase: Chase
     mount = AHEAD if midwater else DOWN
     taken = measurer(camera.size)
     geometry = StereoGeometry(camera.focal, BASELINE_M, camera.centre)
-    eye: Eye = (RangeEye(taken, geometry, window=chase.window or RANGE_WINDOW) if midwater
-                else MotionEye(taken, window=chase.window or MOTION_WINDOW))
+    eye: Eye = (RangeEye(taken, geometry, window=chase.window or RANGE_WINDOW) if midwater else
+                (DenseEye if chase.dense else MotionEye)(taken, window=chase.window or MOTION_WINDOW))
     follower = Follower(eye)
     pilot = Pilot(chase.where, camera.focal, camera.centre)
     rng = np.random.default_rng([chase.seed, 6])

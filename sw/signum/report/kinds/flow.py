@@ -11,7 +11,7 @@ from matplotlib import pyplot as plt
 from signum.report.page import Section, paragraph, plot, row, table
 from signum.report.pictures import film, pictures
 from signum.report.read_table import read_table
-from signum.tables.schemas import FLOW
+from signum.tables.schemas import FLOW, MOVING
 
 
 def sections(folder: Path) -> list[Section]:
@@ -40,6 +40,30 @@ def sections(folder: Path) -> list[Section]:
              "length, as the wheel in the corner shows; where the picture is grey, no measurement had support enough "
              "around it.")
     shown = [*pictures(folder, "flow_*.png"), film(folder / "flow.mp4")]
-    return [Section("Flow fields", paragraph(about) + row([s for s in shown if s])),
-            Section("Motion of the picture", row([plot(fig, "median of the valid windows, pair by pair")])
-                    + table(("", ""), lines))]
+    found = [Section("Flow fields", paragraph(about) + row([s for s in shown if s])),
+             Section("Motion of the picture", row([plot(fig, "median of the valid windows, pair by pair")])
+                     + table(("", ""), lines))]
+    return [*found, *([_moving(folder, list(flow.groups("frame_b")))] if (folder / "moving.csv").exists() else [])]
+
+
+def _moving(folder: Path, pairs: list[str]) -> Section:
+    """What moves by itself, of pairs that are named by their second frames."""
+    moving = read_table(folder / "moving.csv", MOVING)
+    number = {name: n for n, name in enumerate(pairs)}
+    at = [number.get(name, -1) for name in moving.text["frame_b"]]
+    speed = np.hypot(moving.numbers("own_dx_px"), moving.numbers("own_dy_px"))
+    area, sure = moving.numbers("area_px"), moving.numbers("confidence")
+    lines = [("objects, over all pairs of frames", str(moving.rows)), ("pairs of frames with any", str(len(set(at))))]
+    if moving.rows:
+        lines += [("own motion, px per frame: median, largest", f"{np.median(speed):.1f}, {speed.max():.1f}"),
+                  ("area, px: median, largest", f"{np.median(area):,.0f}, {area.max():,.0f}")]
+    fig, axis = plt.subplots(figsize=(9, 2.8))
+    shown = axis.scatter(at, speed, s=np.clip(np.sqrt(area), 8, 200), c=sure, vmin=0, vmax=100, cmap="viridis")
+    fig.colorbar(shown, label="confidence")
+    axis.set(ylabel="own motion, px per frame", xlabel="pair of frames", xlim=(-0.5, len(pairs) - 0.5))
+    axis.set_ylim(bottom=0)
+    about = ("What moves otherwise than most of the picture; outlined in the pictures above, with its motion against "
+             "the background, drawn twice as long, and masked below. Something at rest that is much nearer or farther "
+             "than the rest shifts against it when the camera moves, and counts too.")
+    return Section("What moves by itself", paragraph(about) + row(pictures(folder, "moving_*.png"))
+                   + row([plot(fig, "every object, as large as its side")]) + table(("", ""), lines))

@@ -8,12 +8,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pytest
 
-from signum.applications.follow.eyes import MotionEye, RangeEye
+from golden.params import DENSE, FULL, Config
+from signum.applications.follow.eyes import DenseEye, MotionEye, RangeEye
 from signum.applications.follow.follower import Follower, State, Target
 from signum.applications.follow.judge import judge_chase
 from signum.applications.follow.pilot import Felt, Pilot, Where
 from signum.applications.follow.segment import Segmented, one_blob, segment_by_motion
 from signum.applications.follow.simulate import Chase, simulate_chase
+from signum.applications.follow.template import find_template
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
 from signum.geometry.calibration import StereoGeometry
@@ -22,7 +24,7 @@ from signum.measure.flow import FlowField
 from signum.measure.measurer import Measurer, View
 from signum.world.camera import BASELINE_M, Pinhole
 from signum.world.fish import Fish
-from signum.world.seafloor import Seafloor
+from signum.world.seafloor import Seafloor, photograph
 from signum.world.vehicle import AHEAD, DOWN, PanTilt, Vehicle
 from signum.world.water import COASTAL
 from signum.world.world import World
@@ -128,6 +130,40 @@ def test_terrain_alone_is_no_fish(turn: float) -> None:
         seen = eye.look([world.look(CAMERA, sight).frame], (CAMERA.focal * turn if k else 0.0, 0.0))
         assert k == 0 or (seen is not None and seen.known.mean() > 0.6 and one_blob(seen) is None)
         world.step(0.1)
+
+
+def test_the_dense_engine_follows_a_fish_over_terrain_and_finds_none_without() -> None:
+    """The camera moves and turns over relief."""
+    sights = [Sight(np.array([0.02 * k, 0.01 * k, -3.0]), rotation(0.0, 0.0, 0.01 * k) @ LOOK_DOWN) for k in range(7)]
+    floor = Seafloor(extent=5.0, relief=0.05, texel=0.005)
+    empty, eye = World(floor, COASTAL), DenseEye(Measurer(GoldenBoard(DENSE), CAMERA.size, 2.0))
+    for k, sight in enumerate(sights[:3]):
+        seen = eye.look([empty.look(CAMERA, sight).frame], (0.0, 0.0))
+        assert (seen is None) == (k == 0) and (seen is None or (seen.known.all() and one_blob(seen) is None))
+        empty.step(0.1)
+    fish = Fish(np.array([0.0, -0.2, -1.2]), speed=0.3, roam=(0.0, 2.0, 0.0), home=np.array([0.0, 1.5, -1.2]),
+                stops=0.0)
+    world = World(floor, COASTAL, [fish])
+    follower = Follower(DenseEye(Measurer(GoldenBoard(DENSE), CAMERA.size, 2.0)))
+    misses = []
+    for sight in sights:
+        target = follower.step([world.look(CAMERA, sight).frame])
+        misses.append(float(np.hypot(*(np.array([target.x, target.y]) - CAMERA.project(sight, fish.position)[0]))))
+        world.step(0.1)
+    print([round(miss, 1) for miss in misses])
+    assert target.state is State.SEEN and max(misses[3:]) < 8
+
+
+@pytest.mark.parametrize("config", [FULL, DENSE])
+def test_the_template_is_found_with_either_board(config: Config) -> None:
+    floor = np.ascontiguousarray(photograph("gravel")[:240, :320])
+    measurer = Measurer(GoldenBoard(config), (320, 240), 2.0)
+    views = measurer.view(floor), measurer.view(np.roll(floor, (7, -11), (0, 1)))
+    moved = find_template(measurer, views, (150.3, 120.8), (145.0, 121.0))
+    assert moved == pytest.approx((-11, 7), abs=0.1)
+    other = measurer.view(np.ascontiguousarray(floor[::-1, ::-1]))
+    assert find_template(measurer, (views[0], other), (150.3, 120.8), (145.0, 121.0)) is None
+    assert find_template(measurer, views, (150.3, 236.0), (150.0, 236.0)) is None, "too near the border"
 
 
 class _Scripted:
