@@ -39,4 +39,25 @@ def test_cells_are_placed_again_before_they_are_routed(tmp_path: Path, monkeypat
         {"BEL": "X1/Y2/SLICEA.K0"}, {"BEL": "X1/Y2/EBR0"}]
     assert [cell["connections"] for cell in module["cells"].values()] == [
         {"A": [], "F": [2]}, {"ADA0": ["x"], "DOA0": [3]}]
-    assert module["settings"].items() >= {"seed": "1", **nextpnr.ROUTER_SETTINGS}.items()
+    assert module["settings"].items() >= {"seed": "1", "target_freq": "123000000.000000",
+                                          **nextpnr.ROUTER_SETTINGS}.items()
+
+
+def test_each_try_has_its_own_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A placed design holds the target that it was placed for, which nextpnr takes before that of its options."""
+    aims: list[str] = []
+
+    def run(name: str, log: Path, *args: Any, **options: Any) -> bool:
+        words = list(args)
+        settings = json.loads(words[words.index("--json") + 1].read_text())["modules"]["top"]["settings"]
+        for flag, content in (("--write", PLACED), ("--report", {"fmax": 1})):
+            if flag in words:
+                words[words.index(flag) + 1].write_text(json.dumps(content))
+        if "--report" in words:
+            aims.append(settings["target_freq"])
+        return options.get("patience") is None
+
+    monkeypatch.setattr(nextpnr, "run_tool", run)
+    (tmp_path / "netlist.json").write_text(json.dumps(PLACED))
+    nextpnr.route(tmp_path, 1, True, (150, 140))
+    assert aims == ["150000000.000000", "140000000.000000", "140000000.000000"]
