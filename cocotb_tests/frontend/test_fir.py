@@ -16,7 +16,7 @@ from sim.testbench.runner import simulate
 
 def _windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
-    radius, latency = p["Radius"], 6 + adder_levels(p["Radius"])
+    radius, latency = p["Radius"], 7 + adder_levels(p["Radius"])
     bits = p["DataW"] * (2 * radius + 1)
     offer = ready_pattern(shape, rng)
     for run in range(12):

@@ -22,7 +22,7 @@ from golden.cycle.store.capture import CaptureModel
 from golden.cycle.store.store import StoreModel
 from golden.params import PIXEL_BITS, Config
 
-RESET_START, RESET_END = 3, 6
+RESET_START, RESET_END = 4, 7
 """Clocks from the reset at the pin to that of the blocks; from its end to their end, which is later."""
 
 

@@ -8,7 +8,7 @@
 //              load flags of slog_taps_slice). Longer chains without reset carry only data, or accesses to memory words
 //              that are written before they are read. Each module's header gives the clocks for which its own rst_i
 //              must be held.
-// Latency    : 3 clocks to the reset, 2 + Held clocks to its end. All registers are set at power-up, so the board starts
+// Latency    : 4 clocks to the reset, 3 + Held clocks to its end. All registers are set at power-up, so the board starts
 //              in reset.
 `include "slog_assert.svh"
 module slog_reset #(
@@ -22,15 +22,17 @@ module slog_reset #(
   logic            rst_q2 = 1'b1;
   logic [Held-2:0] past_q = '1;  // [k]: rst_q2 k + 1 clocks before
   logic            rst_q3 = 1'b1;
+  logic            rst_q4 = 1'b1;  // before the buffer, without logic: blocks it does not reach have copies of it
 
   always_ff @(posedge clk_i) begin
     rst_q  <= rst_i;
     rst_q2 <= rst_q;
     past_q <= (Held - 1)'({past_q, rst_q2});
     rst_q3 <= rst_q2 || past_q != '0;
+    rst_q4 <= rst_q3;
   end
 
-  slog_reset_buffer u_buffer (.rst_i(rst_q3), .rst_o);
+  slog_reset_buffer u_buffer (.rst_i(rst_q4), .rst_o);
 
   `SLOG_ASSERT_INIT(SlogResetHeld, Held >= 2)
 endmodule : slog_reset

@@ -85,6 +85,7 @@ module slog_control
   logic [Events-1:0][31:0] counts;
   logic overflow, taken, filter_busy, size_error, irq_q;
   logic seen_q;            // a result is available
+  logic none_q;            // !seen_q, a copy: it clears the result's registers
   logic [2:0] outcome_q;   // the result's status
   logic pop_q, pop_q2, pop_q3;  // the front result is popped: in the next clock, in this, in the clock before
   logic [31:0] peek_data;
@@ -276,6 +277,7 @@ module slog_control
   // The result queue lies far from the registers. An access takes longer than these registers delay the effect of a pop.
   always_ff @(posedge clk_i) begin
     seen_q    <= result_valid_i;
+    none_q    <= !result_valid_i;
     outcome_q <= result_i.status;
   end
 
@@ -308,8 +310,8 @@ module slog_control
   assign status.job.status.ready.next            = job_ready_i;
   assign status.job.status.busy.next             = job_busy_i;
   assign status.result.pop.waiting.next          = result_level_i;
-  assign status.result.head.tag.next             = seen_q ? result_i.tag : '0;
-  assign status.result.head.status.next          = seen_q ? result_i.status : '0;
+  assign status.result.head.tag.next             = none_q ? '0 : result_i.tag;
+  assign status.result.head.status.next          = none_q ? '0 : result_i.status;
   assign status.result.head.valid.next           = seen_q;
   assign status.result.best.x.next               = result_i.best_x;
   assign status.result.best.y.next               = result_i.best_y;
@@ -360,6 +362,7 @@ module slog_control
 
   `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
   // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
+  `SLOG_ASSERT_NO_RESET(SlogControlCopies, none_q == !seen_q)
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
   // A reset discards the requests that the register block has not decoded.
   `SLOG_PAST(past_rst, rst_i)

@@ -46,7 +46,8 @@ module slog_filter_bank #(
   localparam int unsigned Settle = 12;
   localparam int unsigned Places = 32;
   localparam int unsigned PulseW = $clog2(2 * Coefs + 1);
-  localparam int unsigned PlaceW = $clog2(Coefs);
+  localparam int unsigned PlaceW = (Coefs > 8) ? $clog2(Coefs) : 3;
+  localparam int unsigned Fours  = (Coefs + 3) / 4;
 
   typedef struct packed {
     logic                valid;
@@ -66,13 +67,16 @@ module slog_filter_bank #(
   logic [Coefs-1:0][CoefBits-1:0] g_q, g2_q;
   logic [PlaceW-1:0] place_q;                // the coefficients that are read
   logic [CoefBits-1:0] read_g_q, read_g2_q;
-  logic read_given_g_q, read_given_g2_q;
+  logic [Fours-1:0][3:0] given_g, given_g2;  // given_g_q, given_g2_q by fours
+  logic [PlaceW-1:2] four_q;                 // the four of the coefficients that are read
+  logic [Fours-1:0] read_given_g_q, read_given_g2_q;  // [f]: whether it was staged, if it is of four f
   logic [CoefBits-1:0] next_g_q, next_g2_q;  // inputs of the chains' first coefficients
   logic end_g_q, end_g2_q;                   // the last shift of each chain takes place
   logic ended_q, ended_q2;                   // end_g2_q one, two clocks later
   logic [PulseW-1:0] pulse_q;  // counts shifts to come: at an even number one of g begins, at an odd one of g2
   logic begin_g_q, begin_g_q2, begin_g2_q, begin_g2_q2;  // a shift begins, one and two clocks later
-  logic [Coefs-1:0] shift_g_q, shift_g2_q;  // [k]: coefficient k takes the value of k - 1; one shift in two clocks
+  logic [Coefs-1:0] shift_g, shift_g_q, shift_g2_q;  // [k]: coefficient k takes the value of k - 1; one in two clocks
+  logic stay_q;                // !shift_g_q[1], a copy: the next place is not read yet
   logic loading_q, clear_q;    // clear_q: load zeros, after reset
   logic loading;
   // Commit.
@@ -90,6 +94,9 @@ module slog_filter_bank #(
   assign calm     = pending_q && !active_q && !apply_q && !loading_q;
   assign apply    = calm && quiet_q[Settle-1];
   assign loading  = apply_q || (loading_q && !ended_q2);
+  assign shift_g  = {begin_g_q2, shift_g_q[Coefs-1:1]};
+  assign given_g  = (4 * Fours)'(given_g_q);
+  assign given_g2 = (4 * Fours)'(given_g2_q);
 
   always_ff @(posedge clk_i) begin
     coef_q[0] <= '{valid: coef_valid_i, second: coef_second_i, index: coef_index_i, value: coef_value_i};
@@ -122,10 +129,13 @@ module slog_filter_bank #(
     if (stage_g2_q) staged_g2_q[coef_q[3].index] <= coef_q[3].value;
     read_g_q        <= staged_g_q[5'(place_q)];
     read_g2_q       <= staged_g2_q[5'(place_q)];
-    read_given_g_q  <= given_g_q[place_q] && !clear_q;
-    read_given_g2_q <= given_g2_q[place_q] && !clear_q;
-    next_g_q        <= read_given_g_q ? read_g_q : '0;
-    next_g2_q       <= read_given_g2_q ? read_g2_q : '0;
+    four_q          <= place_q[PlaceW-1:2];
+    for (int unsigned f = 0; f < Fours; f++) begin
+      read_given_g_q[f]  <= given_g[f][place_q[1:0]];
+      read_given_g2_q[f] <= given_g2[f][place_q[1:0]];
+    end
+    next_g_q        <= (read_given_g_q[four_q] && !clear_q) ? read_g_q : '0;
+    next_g2_q       <= (read_given_g2_q[four_q] && !clear_q) ? read_g2_q : '0;
   end
 
   for (genvar k = 0; k < Coefs; k++) begin : g_coef
@@ -144,6 +154,7 @@ module slog_filter_bank #(
       begin_g2_q2 <= 1'b0;
       shift_g_q   <= '0;
       shift_g2_q  <= '0;
+      stay_q      <= 1'b1;
       place_q     <= PlaceW'(Coefs - 1);
       end_g_q     <= 1'b0;
       end_g2_q    <= 1'b0;
@@ -158,11 +169,12 @@ module slog_filter_bank #(
       begin_g_q2  <= begin_g_q;
       begin_g2_q  <= pulse_q[0];
       begin_g2_q2 <= begin_g2_q;
-      shift_g_q   <= {begin_g_q2, shift_g_q[Coefs-1:1]};
+      shift_g_q   <= shift_g;
       shift_g2_q  <= {begin_g2_q2, shift_g2_q[Coefs-1:1]};
-      if (shift_g_q[1]) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
+      stay_q      <= !shift_g[1];
+      if (!stay_q) place_q <= (place_q == '0) ? PlaceW'(Coefs - 1) : place_q - 1'b1;
       loading_q <= loading;
-      end_g_q   <= shift_g_q[1] && place_q == '0;
+      end_g_q   <= !stay_q && place_q == '0;
       end_g2_q  <= end_g_q;
       ended_q   <= end_g2_q;
       ended_q2  <= ended_q;
@@ -217,6 +229,7 @@ module slog_filter_bank #(
   assign g2_o           = g2_q;
 
   `SLOG_ASSERT_INIT(SlogFilterBankPlaces, Coefs > 1 && Coefs <= Places)
+  `SLOG_ASSERT(SlogFilterBankCopies, stay_q == !shift_g_q[1])
   `SLOG_ASSERT(SlogFilterBankSize, width_o >= 10'(MinImage) && width_o <= 10'(MaxWidth)
                                    && height_o >= 10'(MinImage) && height_o <= 10'(MaxHeight))
   `SLOG_PAST(past_active, active_i)

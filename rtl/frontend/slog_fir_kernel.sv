@@ -3,9 +3,9 @@
 //
 // sum_o = Bias + sum over d = 0..Radius of coef_i[d] * fold_i[d]
 //
-// Stages     : 1 operands    2..4 multiply    then clog2(Radius + 2) levels of adders, one more register
-//              before the last two levels, because the terms lie far apart
-// Latency    : 5 + clog2(Radius + 2) clocks from fold_i to sum_o.
+// Stages     : 1 operands    2..4 multiply    5 terms, because the multipliers lie far from the adders    then
+//              clog2(Radius + 2) levels of adders, one more register before the last two, because the terms lie far apart
+// Latency    : 6 + clog2(Radius + 2) clocks from fold_i to sum_o.
 // Throughput : one fold per clock.
 // Rules      : en_i is low only in clocks in which none of stages 1..3 holds a valid value. coef_i is constant from the clock
 //              before a valid fold_i until its product is computed. slog_fir ensures both; it has the valid bits.
@@ -39,7 +39,7 @@ module slog_fir_kernel #(
   for (genvar d = 0; d <= Radius; d++) begin : g_tap
     logic [35:0] product;
     logic [SumW-1:0] term;
-    assign term = product[SumW-1:0];
+    always_ff @(posedge clk_i) term <= product[SumW-1:0];
     slog_mult u_mult (
         .clk_i,
         .en_i,

@@ -4,9 +4,9 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows. Past the
 // image the border pixels are repeated. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : input 1, line buffer 7, vertical FIR 6 + L, window Radius + 2, horizontal FIR 6 + L, sum 1;
+// Stages     : input 1, line buffer 7, vertical FIR 7 + L, window Radius + 2, horizontal FIR 7 + L, sum 1;
 //              L = clog2(Radius + 2)
-// Latency    : 23 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 49 at radius 16, 39 at radius 8.
+// Latency    : 25 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 51 at radius 16, 41 at radius 8.
 //              busy_o is high from 3 clocks after a pixel or an abort enters to 1 clock after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" is output.
@@ -18,7 +18,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 23 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 25 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -44,7 +44,7 @@ module slog_log #(
     output logic                  bit_abort_o,
     output logic                  busy_o
 );
-  localparam int unsigned FirLatency = 6 + Levels;
+  localparam int unsigned FirLatency = 7 + Levels;
   localparam int unsigned ToVertical = 8;
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // wide enough for the sums; single products may wrap
@@ -72,10 +72,9 @@ module slog_log #(
   logic [Latency-1:1] last_q;
   logic [Latency-1:0] live_q, start_q, done_q, abort_q;
   logic [LeftW-1:0]   left_q;  // clocks until the last one that entered has left
-  logic               out, come, busy_q;
+  logic               out, come_q, busy_q;
 
-  assign out  = px_valid_q && px_out_q;
-  assign come = out || live_q[0] || abort_q[0];
+  assign out = px_valid_q && px_out_q;
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -87,6 +86,7 @@ module slog_log #(
       done_q  <= '0;
       abort_q <= '0;
       left_q  <= '0;
+      come_q  <= 1'b0;
       busy_q  <= 1'b0;
     end else begin
       out_q   <= {out_q[ToTaps-2:1], out};
@@ -96,8 +96,9 @@ module slog_log #(
       start_q <= {start_q[Latency-2:0], px_start_i};
       done_q  <= {done_q[Latency-2:0], px_done_i};
       abort_q <= {abort_q[Latency-2:0], px_abort_i};
-      busy_q  <= left_q != '0;
-      if (come) left_q <= LeftW'(Latency - 1);
+      come_q  <= out || live_q[0] || abort_q[0];
+      busy_q  <= come_q || left_q != '0;
+      if (come_q) left_q <= LeftW'(Latency - 2);
       else if (left_q != '0) left_q <= left_q - 1'b1;
     end
   end

@@ -2,7 +2,7 @@
 // A few bits of slog_packer's word, with their own registers for the pixel and its place: the slices lie far apart.
 //
 //   stage  registers
-//   1      pixel
+//   1      pixel, whether its place moves
 //   2      pixel, its place
 //   3      word_o
 // Throughput : one pixel per clock.
@@ -16,19 +16,17 @@ module slog_packer_slice #(
     input  logic            begin_i,  // the pixel goes to bit 0
     output logic [Bits-1:0] word_o
 );
-  logic valid_q, blank_q, blank_q2, fresh_q, fresh_q2, begin_q;
+  logic moves_q, blank_q, blank_q2, fresh_q, fresh_q2, begin_q;
   logic [Bits-1:0] place_q, word_q3;  // place_q: one-hot; 0 if the pixel goes to another slice
 
   always_ff @(posedge clk_i) begin
-    valid_q  <= valid_i;
+    moves_q  <= begin_i || fresh_i || valid_i;
     blank_q  <= blank_i;
     fresh_q  <= fresh_i;
     begin_q  <= begin_i;
     blank_q2 <= blank_q;
     fresh_q2 <= fresh_q;
-    if (begin_q) place_q <= Bits'(1);
-    else if (fresh_q) place_q <= '0;
-    else if (valid_q) place_q <= place_q << 1;
+    if (moves_q) place_q <= begin_q ? Bits'(1) : fresh_q ? '0 : place_q << 1;
     word_q3 <= (fresh_q2 ? '0 : word_q3) | (blank_q2 ? '0 : place_q);
   end
   assign word_o = word_q3;

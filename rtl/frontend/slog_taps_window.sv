@@ -20,9 +20,9 @@ module slog_taps_window #(
   localparam int unsigned Slices = Radius / Places;
 
   // The slices lie far apart: data_q delays the values by a clock, in which the load signals reach the slices.
-  logic [Radius-2:0] first_q;          // [k]: the value from k + 1 clocks ago is a line's first
-  logic              past_q;           // the newest place keeps a line's last value from the next clock on
-  logic              past_q2;          // it keeps that value in this clock
+  logic [Radius-1:0] first_q;          // [k]: the value from k + 1 clocks ago is a line's first
+  logic              last_q;           // the value from the clock before is a line's last
+  logic              past_q2;          // the newest place keeps a line's last value in this clock
   logic [DataW-1:0]  data_q, newest_q;
 
   always_ff @(posedge clk_i) begin
@@ -30,12 +30,12 @@ module slog_taps_window #(
     if (!past_q2) newest_q <= data_q;
     if (rst_i) begin
       first_q <= '0;
-      past_q  <= 1'b0;
+      last_q  <= 1'b0;
       past_q2 <= 1'b0;
     end else begin
-      first_q <= {first_q[Radius-3:0], first_i};
-      past_q  <= last_i || (past_q && !first_q[Radius-2]);
-      past_q2 <= past_q;
+      first_q <= {first_q[Radius-2:0], first_i};
+      last_q  <= last_i;
+      past_q2 <= last_q || (past_q2 && !first_q[Radius-1]);
     end
   end
 

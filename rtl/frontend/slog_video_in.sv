@@ -173,7 +173,7 @@ module slog_video_in #(
   // The current frame is that of the last start of frame.
   logic             line_q, line_first_q;  // a line was completed in the clock before; it is its frame's first
   logic             boundary_q;            // no line is being read, or its last pixel is read
-  logic             along_q;               // !boundary_q
+  logic             home_q;                // boundary_q, a copy for the read address, but in a reset
   logic             reading_q;             // a received line, not a filler, is being read
   logic             start_line, skip;
   logic [9:0]       rd_col_q, rd_row_q, out_left_q;
@@ -224,8 +224,8 @@ module slog_video_in #(
   end
 
   always_ff @(posedge clk_i) begin
-    rd_addr_q   <= along_q ? rd_addr_q + 1'b1 : base(rd_line_q);
-    rd_col_q    <= along_q ? rd_col_q + 1'b1 : '0;
+    rd_addr_q   <= home_q ? base(rd_line_q) : rd_addr_q + 1'b1;
+    rd_col_q    <= home_q ? '0 : rd_col_q + 1'b1;
     rd_first_q  <= boundary_q;
     next_last_q <= rd_col_q == col_third_q;
     if (rst_i) begin
@@ -234,7 +234,7 @@ module slog_video_in #(
       started_q     <= 1'b0;
       starts_q      <= 1'b0;
       boundary_q    <= 1'b1;
-      along_q       <= 1'b0;
+      home_q        <= 1'b0;
       reading_q     <= 1'b0;
       rd_active_q   <= 1'b0;
       rd_current_q  <= 1'b0;
@@ -248,7 +248,7 @@ module slog_video_in #(
       started_q     <= start_line;
       starts_q      <= out_starts;
       boundary_q    <= boundary;
-      along_q       <= !boundary;
+      home_q        <= boundary;
       rd_active_q   <= !skip && !wait_on;
       reading_q     <= start_line || (reading_q && !boundary_q);
       mid_frame_q   <= mid_frame;
@@ -354,7 +354,8 @@ module slog_video_in #(
   `SLOG_ASSERT(SlogVideoInNoWait, !line_q || boundary_q)
   `SLOG_ASSERT(SlogVideoInBuffers, !(wr_en_q3 && rd_en_q)
                                    || (32'(wr_addr_q3) < MaxWidth) != (32'(rd_addr_q2) < MaxWidth))
-  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q) && along_q == !boundary_q)
+  `SLOG_ASSERT(SlogVideoInBoundary, boundary_q == (!rd_active_q || rd_col_q == col_last_q))
+  `SLOG_ASSERT_NEXT(SlogVideoInHome, 1'b1, home_q == boundary_q)
   `SLOG_ASSERT(SlogVideoInAtEnd, !at_end_q || active_q)
   `SLOG_ASSERT(SlogVideoInClosed, !closed_q || !active_q)
   `SLOG_ASSERT(SlogVideoInFlags, start == (live && starts_q) && done == (live && ended_q) &&

@@ -15,7 +15,7 @@ def adder_levels(radius: int) -> int:
 
 
 class FirModel:
-    """Symmetric FIR: 6 + `adder_levels(radius)` clocks from window to sums; undefined where no window was valid."""
+    """Symmetric FIR: 7 + `adder_levels(radius)` clocks from window to sums; undefined where no window was valid."""
 
     INPUTS = ("rst_i", "valid_i", "window_i", "coef_i")
     OUTPUTS = ("sum_o",)
@@ -23,7 +23,7 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (5 + adder_levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (6 + adder_levels(radius)))
         self.sum: int | None = None
 
     def step(self, i: Inputs) -> Values:

@@ -15,9 +15,9 @@ module slog_rules_board_reset #(
     held_q <= !rst_o ? '0 : (held_q == '1) ? held_q : held_q + 1'b1;
     age_q  <= (age_q == '1) ? age_q : age_q + 1'b1;
     RulesResetPowerUp : assert (32'(age_q) >= Held || rst_o);
-    RulesResetFollows : assert (!past_q[2] || rst_o);
+    RulesResetFollows : assert (!past_q[3] || rst_o);
     RulesResetLasts : assert (rst_o || held_q == '0 || 32'(held_q) >= Held);
-    RulesResetEnds : assert (32'(age_q) < Held + 3 || past_q[Held+1:0] != '0 || !rst_o);
+    RulesResetEnds : assert (32'(age_q) < Held + 4 || past_q[Held+2:0] != '0 || !rst_o);
     CoverAgain : cover (rst_o && held_q == '0 && 32'(age_q) > Held);
   end
 endmodule : slog_rules_board_reset
