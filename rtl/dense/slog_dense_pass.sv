@@ -62,7 +62,7 @@ module slog_dense_pass
   // One-hot state, in order.
   logic held_q;                        // neither idle_q nor take_q, for the enables of job_q
   logic idle_q, take_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q;
-  dense_job_t came_q, job_q;           // job_i in the clock before: the host's registers are far away; of the last start
+  dense_job_t came_q, job_q;           // job_i in the clock before: it comes from afar; of the last start
   logic [9:0] width_came_q, height_came_q, width_q, height_q;
   dense_status_e status_q;
   logic cancel_q, early_q;             // a cancel came; it ends the map early
