@@ -39,6 +39,7 @@ module slog_dense_check
   localparam int unsigned AddrW  = $clog2(Offsets + 4);
   localparam int unsigned Places = 2 ** AddrW;
   localparam int unsigned Last   = 4;  // held_q's stage beside near_q
+  localparam int unsigned Half   = SumBits / 2;
 
   typedef logic [AddrW-1:0] at_t;
   typedef struct packed {
@@ -98,14 +99,16 @@ module slog_dense_check
       .rd_data_o(back)
   );
 
-  logic found_q, near_q;
+  logic low_q, high_q, found_q, near_q;  // found_q: the best sum is not Absent, by one half or the other
   always_ff @(posedge clk_i) begin
     back_at_q <= from_q - at_t'(held.index);
     held_q[0] <= held;
     for (int unsigned n = 1; n <= Last; n++) held_q[n] <= held_q[n-1];
     difference_q <= {1'b0, back} - {1'b0, held_q[2].index};
     near_q       <= difference_q == '0 || difference_q == '1 || difference_q == (IndexBits + 1)'(1);
-    found_q      <= held_q[Last-1].best != Absent;
+    low_q        <= held_q[Last-2].best[Half-1:0] != Absent[Half-1:0];
+    high_q       <= held_q[Last-2].best[SumBits-1:Half] != Absent[SumBits-1:Half];
+    found_q      <= low_q || high_q;
     valid_q      <= held_q[Last].valid;
     checked_q    <= '{found: found_q, agrees: found_q && near_q, index: held_q[Last].index, best: held_q[Last].best,
                       lower: held_q[Last].lower, upper: held_q[Last].upper, rest: held_q[Last].rest};

@@ -81,7 +81,7 @@ module slog_dense_pass
   logic reading_q;                     // the job's slots are marked: in the states from mark to drain
   logic [9:0] words_q;
   logic row_q, reserve_q, tail_out_q, tail_out_q2, begin_q, stall_q, clear_q, ready, stop, ended, refused;
-  logic [7:0] slot_busy_q;
+  logic [7:0] slots_q, slot_busy_q;    // of the job; and those that are marked
 
   assign stop    = rows_q && due_q && (!more_q || cancel_q);
   assign ready   = rows_q && due_q && more_q && !cancel_q;
@@ -133,9 +133,7 @@ module slog_dense_pass
       tail_out_q2 <= tail_out_q;
       stall_q     <= ready && !room_i;
       clear_q     <= !(rows_q || drain_q || empty_q || tail_q);
-      for (int unsigned s = 0; s < 8; s++) begin
-        slot_busy_q[s] <= reading_q && (job_q.left_slot == 3'(s) || job_q.right_slot == 3'(s));
-      end
+      slot_busy_q <= slots_q & {8{reading_q}};
       if (planned_q) status_q <= plan_status_q;
       else if (tail_q) status_q <= DenseCancelled;
     end
@@ -151,6 +149,7 @@ module slog_dense_pass
     height_came_q <= image_height_i;
     if (!held_q) begin
       job_q    <= came_q;
+      for (int unsigned s = 0; s < 8; s++) slots_q[s] <= came_q.left_slot == 3'(s) || came_q.right_slot == 3'(s);
       width_q  <= width_came_q;
       height_q <= height_came_q;
       early_q  <= 1'b0;
