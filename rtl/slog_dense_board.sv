@@ -50,7 +50,7 @@ module slog_dense_board
     output logic                    irq_o
 );
   localparam int unsigned AddrW    = $clog2(StoreWords);
-  localparam int unsigned OutDepth = 2 ** $clog2(2 * MaxWidth);  // words of maps: two rows
+  localparam int unsigned OutDepth = 2 ** $clog2(3 * MaxWidth);  // words of maps: three rows, so that none waits
 
   // Front ends
   logic [Cameras-1:0] hold, stop;

@@ -20,7 +20,7 @@ from golden.traffic.stalls import SHAPES
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
-OUT_DEPTH = 128
+OUT_DEPTH = 256
 BUILD = build_of(TINY_DENSE, OUT_DEPTH)
 PARAMETERS = {"Width": BUILD.width, "MaxWidth": BUILD.max_width, "MaxHeight": BUILD.max_height,
               "WordsPerRow": BUILD.words_per_row, "Slots": BUILD.slots, "Offsets": BUILD.offsets, "Lanes": BUILD.lanes,
@@ -131,7 +131,7 @@ async def resets(dut) -> None:
     """A reset of one clock in every clock of two rows; the pass after it is whole."""
     rng = random.Random(cocotb.RANDOM_SEED)
     easy = Start(EASY, _planes(rng, (16, 8), EASY), (16, 8))
-    begin, pitch = 3 * 16 + 16 + 23, 16 + 2 * 8 + 1
+    begin, pitch = 3 * 16 + 16 + 24, 16 + 2 * 8 + 1
     starts = [start for clocks in range(begin + pitch, begin + 3 * pitch)
               for start in (Start(EASY, easy.planes, easy.size, reset=clocks), easy)]
     traffic = DenseBlockTraffic(starts, TINY_DENSE, rng)

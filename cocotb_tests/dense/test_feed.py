@@ -41,6 +41,8 @@ class _Passes:
             rows = 3 if number == 0 else held["height_i"]
             yield from self._clock(held)
             yield from self._clock(held, begin_i=1)
+            for _ in range(self.rng.choice((1, 1, 4))):
+                yield from self._clock(held)
             for y in range(rows):
                 yield from self._clock(held, row_i=1)
                 if number == PASSES // 2 and y == rows // 2:

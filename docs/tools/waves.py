@@ -215,7 +215,7 @@ def control() -> Wave:
 def dense() -> Wave:
     """Rows of ten pixels under windows of 2x2; the right plane is the left one moved by two."""
     rows = ("1011001010", "0110101100", "1100110101")
-    inputs: list[Inputs] = [{"flush_i": 1}] * 24
+    inputs: list[Inputs] = [*[{"flush_i": 1}] * 23, {}]
     for y, row in enumerate(rows):
         left = [int(c) for c in row]
         before = [int(c) for c in rows[y - 2]] if y >= 2 else [0] * len(left)

@@ -20,8 +20,8 @@ STREAM = "map_tdata_o", "map_tvalid_o", "map_tuser_o", "map_tlast_o"
 
 
 def out_depth(config: Config) -> int:
-    """Words of maps that the board holds: a power of two, two rows or more."""
-    return 1 << (2 * config.max_width - 1).bit_length()
+    """Words of maps that the board holds: a power of two, three rows or more: with a ready sink no row waits."""
+    return 1 << (3 * config.max_width - 1).bit_length()
 
 
 def dense_build(config: Config) -> DenseBuild:

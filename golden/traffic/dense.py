@@ -75,7 +75,8 @@ class DenseTraffic:
             yield {**self._noise(), **settings, "flush_i": 1}
         (height, width), first = left.shape, self._first(one)
         sent: dict[int, Inputs] = {}
-        begin = max(0, -one.start - first) + self.rng.randint(0, 2)
+        # The flush lasts a clock longer inside.
+        begin = 1 + max(0, -one.start - first) + self.rng.randint(0, 2)
         for y in range(height):
             for x in range(width):
                 sent.setdefault(begin + x, {}).update(self._left(left, one, x, y))

@@ -186,7 +186,7 @@ class DenseBlockTraffic:
                      "image_height_i": start.size[1], "slot_valid_i": valid}
             sink, at, done = ready_pattern(start.sink, self.rng), 0, False
             while not done:
-                now: Inputs = {**self._noise(), **(first if at == 0 else {"slot_valid_i": valid} if at == 1 else {}),
+                now: Inputs = {**self._noise(), **(first if at == 0 else {"slot_valid_i": valid} if at == 2 else {}),
                                "map_tready_i": next(sink), "cancel_i": int(at == start.cancel),
                                "rst_i": int(at == start.reset)}
                 out = yield from self._clock(now)

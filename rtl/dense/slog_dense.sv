@@ -9,14 +9,14 @@
 //   1    slog_dense_pass with slog_dense_plan, slog_dense_room: job, rows, room
 //   2    slog_dense_feed: store to columns
 //   3    slog_dense_engine: 2 * Offsets + 6 clocks
-//   4    slog_dense_check: Offsets + 7
-//   5    slog_dense_out: 8; the queue holds OutDepth words
-// Latency    : from start_i to the first row 3 * Offsets + MaxWindow + 23 clocks and those that slog_dense_plan takes for many
-//              words or far rows; from a row's start to its first word 3 * Offsets + 46 and plan_t.left_delay.
+//   4    slog_dense_check: Offsets + 8
+//   5    slog_dense_out: 9; the queue holds OutDepth words
+// Latency    : from start_i to the first row 3 * Offsets + MaxWindow + 24 clocks and those that slog_dense_plan takes for many
+//              words or far rows; from a row's start to its first word 3 * Offsets + 49 and plan_t.left_delay.
 // Throughput : a pixel per clock in a row; rows max(image_width + 2 * Lanes + 1, Offsets + Width + 8) clocks apart.
 // Flow       : the sink may stop for any time. A row starts when there is room for its words and those of the rows under
 //              way, so no word is lost. With a sink that is always ready a row's places are taken for image_width + 3 *
-//              Offsets + 47 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
+//              Offsets + 51 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
 // Rules      : start_i counts while busy_o is low; job and image size are taken over with it. image_width_i is 2 * Lanes or
 //              more. A slot in slot_busy_o is not written. rd_data_i is StoreLatency clocks after rd_valid_o.
 // Cancel     : no row is started any more; the words under way are followed by one in which nothing is found, with
@@ -248,7 +248,7 @@ module slog_dense
   );
 
   `SLOG_ASSERT_INIT(SlogDenseOutDepth, OutDepth >= MaxWidth && MaxWidth >= 2 * Lanes)
-  `SLOG_ASSERT_INIT(SlogDenseFlush, Flush > Offsets + 7)
+  `SLOG_ASSERT_INIT(SlogDenseFlush, Flush > Offsets + Offsets / Lanes + 9)
   `SLOG_ASSERT(SlogDenseWidth, !(pass_begin && 32'(width) < 2 * Lanes))
   `SLOG_ASSERT(SlogDenseSlotBusy, !rd_valid_o || slot_busy_o[3'(32'(rd_addr_o) / (MaxHeight * WordsPerRow))])
 endmodule : slog_dense

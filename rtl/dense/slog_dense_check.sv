@@ -13,11 +13,12 @@
 //   2    back_at_q: place of the back word      Offsets + 3
 //   3    back words' memory                     Offsets + 5
 //   4    difference_q                           Offsets + 6
-//   5    checked_o, valid_o                     Offsets + 7
-// Latency    : Offsets + 7 clocks.
+//   5    near_q                                 Offsets + 7
+//   6    checked_o, valid_o                     Offsets + 8
+// Latency    : Offsets + 8 clocks.
 // Throughput : one winner and one back word per clock, with or without valids.
 // Formats    : found: an offset counts at the pixel.
-// Reset      : rst_i is held for 1 clock or more. valid_o is undefined for Offsets + 7 clocks after it.
+// Reset      : rst_i is held for 1 clock or more. valid_o is undefined for Offsets + 8 clocks after it.
 `include "slog_assert.svh"
 module slog_dense_check
   import slog_dense_pkg::*;
@@ -37,7 +38,8 @@ module slog_dense_check
 );
   localparam int unsigned AddrW  = $clog2(Offsets + 4);
   localparam int unsigned Places = 2 ** AddrW;
-  localparam int unsigned Last   = 3;  // held_q's stage beside difference_q
+  localparam int unsigned Last   = 4;  // held_q's stage beside near_q
+  localparam int unsigned Half   = SumBits / 2;
 
   typedef logic [AddrW-1:0] at_t;
   typedef struct packed {
@@ -97,16 +99,18 @@ module slog_dense_check
       .rd_data_o(back)
   );
 
-  logic found_q, near;
-  assign near  = difference_q == '0 || difference_q == '1 || difference_q == (IndexBits + 1)'(1);
+  logic low_q, high_q, found_q, near_q;  // found_q: the best sum is not Absent, by one half or the other
   always_ff @(posedge clk_i) begin
     back_at_q <= from_q - at_t'(held.index);
     held_q[0] <= held;
     for (int unsigned n = 1; n <= Last; n++) held_q[n] <= held_q[n-1];
     difference_q <= {1'b0, back} - {1'b0, held_q[2].index};
-    found_q      <= held_q[Last-1].best != Absent;
+    near_q       <= difference_q == '0 || difference_q == '1 || difference_q == (IndexBits + 1)'(1);
+    low_q        <= held_q[Last-2].best[Half-1:0] != Absent[Half-1:0];
+    high_q       <= held_q[Last-2].best[SumBits-1:Half] != Absent[SumBits-1:Half];
+    found_q      <= low_q || high_q;
     valid_q      <= held_q[Last].valid;
-    checked_q    <= '{found: found_q, agrees: found_q && near, index: held_q[Last].index, best: held_q[Last].best,
+    checked_q    <= '{found: found_q, agrees: found_q && near_q, index: held_q[Last].index, best: held_q[Last].best,
                       lower: held_q[Last].lower, upper: held_q[Last].upper, rest: held_q[Last].rest};
   end
   assign valid_o   = valid_q;

@@ -18,10 +18,10 @@
 // Ties       : the first of equals.
 // Rules      : rows as in slog_dense_group. A right row begins up to Offsets - 1 clocks before the left one, or after it:
 //              the right plane's pixel for offset 0 comes with the left one. In the first W rows the leaving bits are 0,
-//              in rows outside a plane all. flush_i is held before a pass for Flush clocks or more in which nothing is in a row;
-//              shrink_i and offsets_i change only then.
+//              in rows outside a plane all. flush_i is held before a pass for Flush clocks or more in which nothing
+//              is in a row, nor in the clock after them; shrink_i and offsets_i change only then.
 // Reset      : rst_i is held for 1 clock or more; then comes a flush. From the reset to the flush all groups are cleared, so
-//              what is left of a row that the reset cut does not run.
+//              what is left of a row that the reset cut does not run, and no winner is valid.
 `include "slog_assert.svh"
 module slog_dense_engine
   import slog_dense_pkg::*;
@@ -62,6 +62,8 @@ module slog_dense_engine
   logic left_valid_q, first_q, right_valid_q;
   logic [OkLag:0][1:0] left_ok_q, right_ok_q;
   logic [3:0] ago;
+  logic flush_in_q;          // flush_i and shrink_i come from afar
+  logic [ShrinkW-1:0] shrink_q;
   logic [Groups-1:0] flush_q;
   logic held_q;  // a reset came, and no flush since
   logic [Offsets-1:0] used_q;
@@ -75,14 +77,17 @@ module slog_dense_engine
     right_ok_q <= {right_ok_q[OkLag-1:0], right_ok_i & {2{right_valid_i}}};
     for (int unsigned k = 0; k < Offsets; k++) used_q[k] <= k < 32'(offsets_q[k/Lanes]);
     offsets_q <= $bits(offsets_q)'({offsets_q, offsets_i});
+    shrink_q  <= shrink_i;
     if (rst_i) begin
+      flush_in_q    <= 1'b0;
       left_valid_q  <= 1'b0;
       right_valid_q <= 1'b0;
       flush_q       <= '1;
       held_q        <= 1'b1;
     end else begin
-      flush_q       <= Groups'({flush_q, flush_i || held_q});
-      held_q        <= held_q && !flush_i;
+      flush_in_q    <= flush_i;
+      flush_q       <= Groups'({flush_q, flush_in_q || held_q});
+      held_q        <= held_q && !flush_in_q;
       left_valid_q  <= left_valid_i;
       right_valid_q <= right_valid_i;
     end
@@ -90,7 +95,7 @@ module slog_dense_engine
 
   always_comb begin
     ago = ago_q[MaxWindow];
-    for (int unsigned s = 1; s < Sizes; s++) if (32'(shrink_i) == s) ago = ago_q[MaxWindow>>s];
+    for (int unsigned s = 1; s < Sizes; s++) if (32'(shrink_q) == s) ago = ago_q[MaxWindow>>s];
   end
 
   left_t left[Groups+1];
@@ -136,7 +141,7 @@ module slog_dense_engine
 
   logic [OutLag-1:0] winner_valid_q, back_valid_q;
   always_ff @(posedge clk_i) begin
-    if (rst_i || flush_i) begin
+    if (rst_i || flush_q[Groups-1]) begin
       winner_valid_q <= '0;
       back_valid_q   <= '0;
     end else begin
@@ -157,5 +162,5 @@ module slog_dense_engine
 `endif
   `SLOG_ASSERT(SlogDenseEngineWholeFlush, flush_i || flushed_q == '0 || 32'(flushed_q) == Flush)
   `SLOG_ASSERT(SlogDenseEngineHeld, !held_q || flush_q == '1)
-  `SLOG_ASSERT(SlogDenseEngineFlush, !(flush_i || held_q) || !(left_valid_i || right_valid_i))
+  `SLOG_ASSERT(SlogDenseEngineFlush, !(flush_i || flush_in_q || held_q) || !(left_valid_i || right_valid_i))
 endmodule : slog_dense_engine

@@ -11,15 +11,15 @@
 //   2..5   rows' addresses, and whether they lie in their planes
 //   4      the delays begin
 //   6 + d  start of slog_dense_stream, d the plane's delay: row_t counts here, with the next row_i at the latest
-//   25 + d first column at the engine
+//   26 + d first column at the engine
 //   clocks after a wish of a stream
 //   0..3   granted: each of the four rows has every fourth clock
 //   1      rd_valid_o and rd_addr_o
-//   11, 12 rd_data_i, data_q: StoreLatency later
+//   11     rd_data_i: StoreLatency later; data_q and data_q2 follow, one near the store and one near the streams
 // Latency    : as above.
 // Throughput : a column of both planes per clock; the store is read in at most 4 of Width clocks.
-// Rules      : begin_i with plan_i, before the first row_i of a pass; down_i is stable from the clock before it. plan_i.pitch
-//              clocks or more lie between rows.
+// Rules      : begin_i 2 clocks or more before the first row_i of a pass. plan_i, down_i, width_i and height_i are constant
+//              from the clock before it to the pass' end. plan_i.pitch clocks or more lie between rows.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_feed
@@ -33,10 +33,7 @@ module slog_dense_feed
     input  logic                    rst_i,
     input  logic                    begin_i,
     input  logic                    row_i,
-    // Pitch, words and window are for others.
-    /* verilator lint_off UNUSEDSIGNAL */
     input  plan_t                   plan_i,
-    /* verilator lint_on UNUSEDSIGNAL */
     input  logic signed [      9:0] down_i,
     input  logic        [      9:0] width_i,
     input  logic        [      9:0] height_i,
@@ -55,9 +52,35 @@ module slog_dense_feed
     output logic                    busy_o            // rows are under way: from 2 clocks after a start on
 );
   localparam int unsigned Settle  = 4;
-  localparam int unsigned Answers = StoreLatency + 1;  // from rd_valid_o to data_q
+  localparam int unsigned Answers = StoreLatency + 2;  // from rd_valid_o to data_q2
   typedef logic [AddrW-1:0] addr_t;
   typedef logic signed [11:0] line_t;
+
+  // What is constant in a pass comes from afar: nothing is computed before these. Width and height are inverted, because
+  // other copies of the same registers, elsewhere, would be merged with them.
+  // Pitch, words and window are for others.
+  /* verilator lint_off UNUSEDSIGNAL */
+  plan_t plan_q;
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic signed [9:0] down_q;
+  logic [9:0] not_width_q, not_height_q, width, height;
+  logic begin_q;
+  addr_t [1:0] above_q;                // words of the row a window's height above row 0
+  logic [1:0][10:0] delay_q;           // a plane's delay, less one
+  assign width  = ~not_width_q;
+  assign height = ~not_height_q;
+  always_ff @(posedge clk_i) begin
+    plan_q       <= plan_i;
+    down_q       <= down_i;
+    not_width_q  <= ~width_i;
+    not_height_q <= ~height_i;
+    above_q[0]   <= addr_t'(plan_q.left - plan_q.above);
+    above_q[1]   <= addr_t'(plan_q.right - plan_q.above);
+    delay_q[0]   <= 11'(plan_q.left_delay) - 1'b1;
+    delay_q[1]   <= 11'(plan_q.right_delay) - 1'b1;
+    if (rst_i) begin_q <= 1'b0;
+    else begin_q <= begin_i;
+  end
 
   // Rows of the planes, left first: number, and words of the incoming and the leaving row.
   logic fresh_q, step_q;
@@ -76,16 +99,15 @@ module slog_dense_feed
     step_q <= row_i && !fresh_q;
   end
   always_ff @(posedge clk_i) begin
-    r_first_q <= -line_t'(down_i);
+    r_first_q <= -line_t'(down_q);
     y_after_q <= y_q + 1'b1;
     r_after_q <= r_q + 1'b1;
-    if (begin_i) begin
+    if (begin_q) begin
       y_q           <= '0;
       r_q           <= r_first_q;
-      incoming_q[0] <= addr_t'(plan_i.left);
-      incoming_q[1] <= addr_t'(plan_i.right);
-      leaving_q[0]  <= addr_t'(plan_i.left - plan_i.above);
-      leaving_q[1]  <= addr_t'(plan_i.right - plan_i.above);
+      incoming_q[0] <= addr_t'(plan_q.left);
+      incoming_q[1] <= addr_t'(plan_q.right);
+      leaving_q     <= above_q;
     end else if (step_q) begin
       y_q <= y_after_q;
       r_q <= r_after_q;
@@ -94,17 +116,17 @@ module slog_dense_feed
         leaving_q[n]  <= leaving_q[n] + addr_t'(WordsPerRow);
       end
     end
-    if (begin_i) fresh_q <= 1'b1;
+    if (begin_q) fresh_q <= 1'b1;
     else if (row_i) fresh_q <= 1'b0;
     first_q       <= y_q == '0;
-    late_q        <= (y_q & plan_i.mask) != '0;
-    left_ok_q     <= (y_after_q & plan_i.mask) != '0;
-    right_in_q    <= !r_q[11] && r_q < line_t'({2'b00, height_i});
-    right_tall_q  <= (r_after_q[10:0] & {1'b1, plan_i.mask}) != '0;
+    late_q        <= (y_q & plan_q.mask) != '0;
+    left_ok_q     <= (y_after_q & plan_q.mask) != '0;
+    right_in_q    <= !r_q[11] && r_q < line_t'({2'b00, height});
+    right_tall_q  <= (r_after_q[10:0] & {1'b1, plan_q.mask}) != '0;
     right_ok_q    <= right_in_q2 && right_tall_q;
     right_in_q2   <= right_in_q;
-    r_above_q     <= r_q + line_t'(signed'({1'b1, plan_i.mask}));
-    right_above_q <= late_q && !r_above_q[11] && r_above_q < line_t'({2'b00, height_i});
+    r_above_q     <= r_q + line_t'(signed'({1'b1, plan_q.mask}));
+    right_above_q <= late_q && !r_above_q[11] && r_above_q < line_t'({2'b00, height});
   end
 
   function automatic logic [1:0] rows_ok(logic ok, logic odd);
@@ -119,7 +141,7 @@ module slog_dense_feed
           has_leaving: late_q,
           column: '0,
           skip: '0,
-          count: width_i,
+          count: width,
           ok: rows_ok(left_ok_q, y_q[0]),
           first: first_q
       };
@@ -128,30 +150,30 @@ module slog_dense_feed
           leaving: 16'(leaving_q[1]),
           has_incoming: right_in_q2,
           has_leaving: right_above_q,
-          column: plan_i.column,
-          skip: plan_i.skip,
-          count: plan_i.count,
+          column: plan_q.column,
+          skip: plan_q.skip,
+          count: plan_q.count,
           ok: rows_ok(right_ok_q, y_q[0]),
           first: 1'b0
       };
 
-  // Delays.
+  // Delays: negative where one is over.
   logic [1:0] waits_q, over, start_q;
-  logic [1:0][9:0] wait_q;
-  assign over[0] = wait_q[0] == '0;
-  assign over[1] = wait_q[1] == '0;
+  logic [1:0][10:0] wait_q;
+  assign over[0] = wait_q[0][10];
+  assign over[1] = wait_q[1][10];
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       waits_q <= '0;
       start_q <= '0;
     end else begin
-      waits_q <= row_q[Settle-1] ? {plan_i.meets, 1'b1} : waits_q & ~over;
+      waits_q <= row_q[Settle-1] ? {plan_q.meets, 1'b1} : waits_q & ~over;
       start_q <= waits_q & over;
     end
   end
   always_ff @(posedge clk_i) begin
     for (int unsigned n = 0; n < 2; n++) begin
-      if (row_q[Settle-1]) wait_q[n] <= n == 0 ? plan_i.left_delay : plan_i.right_delay;
+      if (row_q[Settle-1]) wait_q[n] <= delay_q[n];
       else wait_q[n] <= wait_q[n] - 1'b1;
     end
   end
@@ -163,7 +185,7 @@ module slog_dense_feed
   logic [Answers-1:0][3:0] asked_q;
   logic rd_valid_q;
   addr_t rd_addr_q, rd_addr;
-  logic [Width-1:0] data_q;
+  logic [Width-1:0] data_q, data_q2;
   assign grant = want & turn_q;
   always_comb begin
     rd_addr = '0;
@@ -185,6 +207,7 @@ module slog_dense_feed
   always_ff @(posedge clk_i) begin
     rd_addr_q <= rd_addr;
     data_q    <= rd_data_i;
+    data_q2   <= data_q;
   end
   assign rd_valid_o = rd_valid_q;
   assign rd_addr_o  = rd_addr_q;
@@ -203,12 +226,12 @@ module slog_dense_feed
         .rst_i,
         .start_i   (start_q[n]),
         .row_i     (row[n]),
-        .mask_i    (plan_i.mask),
+        .mask_i    (plan_q.mask),
         .want_o    (want[2*n+:2]),
         .addr_o    (addr[2*n+:2]),
         .grant_i   (grant[2*n+:2]),
         .came_i    (asked_q[Answers-1][2*n+:2]),
-        .data_i    (data_q),
+        .data_i    (data_q2),
         .valid_o   (valid[n]),
         .first_o   (first[n]),
         .incoming_o(incoming[n]),
@@ -230,6 +253,6 @@ module slog_dense_feed
 
   `SLOG_ASSERT(SlogDenseFeedRow, !(row_i && (waits_q != '0 || row_q != '0)))
   `SLOG_ASSERT(SlogDenseFeedTurn, $onehot(turn_q))
-  `SLOG_ASSERT(SlogDenseFeedBegin, !(begin_i && (waits_q != '0 || row_q != '0 || busy_o)))
-  `SLOG_ASSERT_INIT(SlogDenseFeedLatency, Answers == 11)
+  `SLOG_ASSERT(SlogDenseFeedBegin, !(begin_q && (row_i || waits_q != '0 || row_q != '0 || busy_o)))
+  `SLOG_ASSERT_INIT(SlogDenseFeedLatency, Answers == 12)
 endmodule : slog_dense_feed

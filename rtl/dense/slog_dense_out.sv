@@ -4,14 +4,17 @@
 //   valid = found && best <= most && (rest == Absent || rest - best >= margin) && (agrees || !check)
 //
 // Stage  registers
-//   1    sums compared, column and row counted
-//   2    word_q, push_q
-//   3..8 slog_ram_fifo, slog_stage: map_tvalid_o with the word
-// Latency    : a word is offered 8 clocks after its pixel at the earliest.
+//   1    inputs: valid_q, came_q, and of the map width_q, most_q and their like
+//   2    sums compared, column and row counted
+//   3    word_q, push_q
+//   4..9 slog_ram_fifo, slog_stage: map_tvalid_o with the word
+// Latency    : a word is offered 9 clocks after its pixel at the earliest.
 // Throughput : one pixel per clock in, one word per clock out.
 // Rules      : clear_i before every map, until its pixels come; then image_height_i rows of image_width_i pixels, with any
-//              pauses, of 2 clocks at least between rows. image_width_i is 2 or more. Whoever sends pixels knows that there is room for their words: Depth
-//              of them (slog_dense_room). tail_i, when no pixel is due: one word more, the last, in which no offset counts.
+//              pauses, of 2 clocks at least between rows. image_width_i is 2 or more. The image's size, steps, most_i, margin_i
+//              and check_i are constant from the last clock of clear_i until the map's last word has been taken. Whoever
+//              sends pixels knows that there is room for their words: Depth of them (slog_dense_room). tail_i, when no pixel
+//              is due: one word more, the last, in which no offset counts.
 // Formats    : map_t; map_tuser_o with the first word of a map, map_tlast_o with the last.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
@@ -49,6 +52,36 @@ module slog_dense_out
     map_t data;
   } word_t;
 
+  // The wires from slog_dense_pass and slog_dense_check are long: nothing is computed before these.
+  logic clear_q, valid_q, tail_in_q, check_q;
+  checked_t came_q;
+  logic [9:0] width_q, height_q;
+  logic [7:0] step_x_q, step_y_q;
+  logic [8:0] skip_x_q, skip_y_q;  // a step less two
+  sum_t most_q, margin_q;
+  always_ff @(posedge clk_i) begin
+    if (rst_i) begin
+      valid_q   <= 1'b0;
+      tail_in_q <= 1'b0;
+    end else begin
+      valid_q   <= valid_i;
+      tail_in_q <= tail_i;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    clear_q  <= clear_i;
+    came_q   <= pixel_i;
+    width_q  <= image_width_i;
+    height_q <= image_height_i;
+    step_x_q <= step_x_i;
+    step_y_q <= step_y_i;
+    skip_x_q <= 9'(step_x_q) - 9'd2;
+    skip_y_q <= 9'(step_y_q) - 9'd2;
+    most_q   <= most_i;
+    margin_q <= margin_i;
+    check_q  <= check_i;
+  end
+
   // Place in the image. gap: columns or rows to the next that has a word, less one: negative at it; left: with this one to
   // the end.
   logic [8:0] gap_x_q, gap_y_q;
@@ -58,27 +91,27 @@ module slog_dense_out
   logic row_q;                     // a row has ended in the clock before
   logic emit_q, tail_q;
   always_ff @(posedge clk_i) begin
-    lower_q <= is_above(32'(left_y_q), 32'(step_y_i));
-    row_q   <= valid_i && ends_q;
-    if (clear_i) begin
+    lower_q <= is_above(32'(left_y_q), 32'(step_y_q));
+    row_q   <= valid_q && ends_q;
+    if (clear_q) begin
       gap_x_q  <= '1;
-      left_x_q <= image_width_i;
+      left_x_q <= width_q;
       ends_q   <= 1'b0;
-    end else if (valid_i) begin
-      gap_x_q  <= ends_q ? '1 : gap_x_q[8] ? 9'(step_x_i) - 9'd2 : gap_x_q - 1'b1;
-      left_x_q <= ends_q ? image_width_i : left_x_q - 1'b1;
+    end else if (valid_q) begin
+      gap_x_q  <= ends_q ? '1 : gap_x_q[8] ? skip_x_q : gap_x_q - 1'b1;
+      left_x_q <= ends_q ? width_q : left_x_q - 1'b1;
       ends_q   <= left_x_q == 10'd2;
     end
-    if (clear_i) begin
+    if (clear_q) begin
       gap_y_q  <= '1;
-      left_y_q <= image_height_i;
+      left_y_q <= height_q;
     end else if (row_q) begin
-      gap_y_q  <= gap_y_q[8] ? 9'(step_y_i) - 9'd2 : gap_y_q - 1'b1;
+      gap_y_q  <= gap_y_q[8] ? skip_y_q : gap_y_q - 1'b1;
       left_y_q <= left_y_q - 1'b1;
     end
   end
 
-  // Stage 1.
+  // Stage 2.
   checked_t pixel_q;
   sum_t over_q;
   logic able_q, far_q, alone_q;
@@ -87,29 +120,29 @@ module slog_dense_out
       emit_q <= 1'b0;
       tail_q <= 1'b0;
     end else begin
-      emit_q <= valid_i && !clear_i && gap_x_q[8] && gap_y_q[8];
-      tail_q <= tail_i;
+      emit_q <= valid_q && !clear_q && gap_x_q[8] && gap_y_q[8];
+      tail_q <= tail_in_q;
     end
   end
   always_ff @(posedge clk_i) begin
-    beside_q <= is_above(32'(left_x_q), 32'(step_x_i));
-    pixel_q <= tail_i ? Nothing : pixel_i;
-    over_q  <= pixel_i.rest - pixel_i.best;
-    able_q  <= pixel_i.found && (pixel_i.agrees || !check_i) && !tail_i;
-    far_q   <= is_above(32'(pixel_i.best), 32'(most_i));
-    alone_q <= pixel_i.rest == Absent;
+    beside_q <= is_above(32'(left_x_q), 32'(step_x_q));
+    pixel_q  <= tail_in_q ? Nothing : came_q;
+    over_q   <= came_q.rest - came_q.best;
+    able_q   <= came_q.found && (came_q.agrees || !check_q) && !tail_in_q;
+    far_q    <= is_above(32'(came_q.best), 32'(most_q));
+    alone_q  <= came_q.rest == Absent;
   end
 
-  // Stage 2.
+  // Stage 3.
   word_t word_q;
   logic push_q, begun_q, good;
-  assign good = able_q && !far_q && (alone_q || !is_above(32'(margin_i), 32'(over_q)));
+  assign good = able_q && !far_q && (alone_q || !is_above(32'(margin_q), 32'(over_q)));
   always_ff @(posedge clk_i) begin
     if (rst_i) push_q <= 1'b0;
     else push_q <= emit_q || tail_q;
   end
   always_ff @(posedge clk_i) begin
-    if (clear_i) begun_q <= 1'b0;
+    if (clear_q) begun_q <= 1'b0;
     else if (emit_q) begun_q <= 1'b1;
     word_q <= '{
         first: !begun_q,
@@ -162,7 +195,7 @@ module slog_dense_out
       taken_q2 <= 1'b0;
     end else begin
       taken_q  <= map_tvalid_o && map_tready_i;
-      taken_q2 <= taken_q;
+      taken_q2 <= taken_q;                 // slog_dense_room has the third
     end
   end
   assign map_tuser_o = shown[StoredW-1];
@@ -172,7 +205,7 @@ module slog_dense_out
 
   `SLOG_ASSERT(SlogDenseOutRoom, !push_q || room)
   `SLOG_ASSERT(SlogDenseOutTail, !(tail_q && emit_q))
-  `SLOG_ASSERT(SlogDenseOutValid, !(emit_q && good) || (pixel_q.found && pixel_q.best <= most_i))
+  `SLOG_ASSERT(SlogDenseOutValid, !(emit_q && good) || (pixel_q.found && pixel_q.best <= most_q))
   `SLOG_ASSERT_STABLE(SlogDenseOutStable, map_tvalid_o, map_tready_i,
                       {map_tuser_o, map_tlast_o, map_tdata_o})
 endmodule : slog_dense_out

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Leads the dense engine through a pass: check, flush, rows as there is room for their words, the end.
 //
-// Sequence of a start: mark the slots -> slog_dense_plan -> flush -> rows -> wait for the last row's feed, which frees the slots
-// -> wait until the sink has taken every word -> done. A refused job is done after the plan. Rows after the last one that has
-// words are not sent. After a cancel no row is started any more; when all words of those under way have been taken, one
-// word more ends the map (tail_o), unless the last row was already under way.
+// Sequence of a start: take the job -> mark the slots -> slog_dense_plan -> flush -> rows -> wait for the last row's feed,
+// which frees the slots -> wait until the sink has taken every word -> done. A refused job is done after the plan. Rows
+// after the last one that has words are not sent. After a cancel no row is started any more; when all words of those under
+// way have been taken, one word more ends the map (tail_o), unless the last row was already under way.
 //
 //   clock  registers
-//   0      start_i: the job is taken over
-//   1      begin of the plan; slot_busy_o in the next clock
+//   0      start_i, with the job and the image's size
+//   1      busy_o; the job is taken over from came_q
+//   2      begin of the plan; slot_busy_o in the next clock
 //   p      slog_dense_plan is done; flush_o from the clock after the next on, for Flush clocks
 //   ..     row_o, plan.pitch clocks or more apart
 // Throughput : rows plan.pitch clocks apart as long as there is room for their words.
-// Rules      : pitch_i is 8 or more. start_i counts while busy_o is low. job_o and the image's size stay until the next start.
+// Rules      : pitch_i is 8 or more, and constant from begin_o on. feed_busy_i is high pitch_i - 1 clocks after row_o at the
+//              latest, until the row's last word has been read. start_i counts while busy_o is low. job_o and the image's
+//              size stay until the next start.
 // Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could
 //              start but for the room.
 // Reset      : rst_i is held for 1 clock or more.
@@ -57,25 +60,28 @@ module slog_dense_pass
   localparam int unsigned FlushW = $clog2(Flush + 1);
 
   // One-hot state, in order.
-  logic held_q;                        // !idle_q, a copy for the enables of job_q
-  logic idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q;
-  dense_job_t job_q;
-  logic [9:0] width_q, height_q;
+  logic held_q;                        // neither idle_q nor take_q, for the enables of job_q
+  logic idle_q, take_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q;
+  dense_job_t came_q, job_q;           // job_i in the clock before: it comes from afar; of the last start
+  logic [9:0] width_came_q, height_came_q, width_q, height_q;
   dense_status_e status_q;
   logic cancel_q, early_q;             // a cancel came; it ends the map early
   logic [FlushW-1:0] flush_left_q;
   logic flushed_q;                     // flush_left_q is 0
-  logic [10:0] wait_q;                 // clocks until a row may start
-  logic due_q;                         // wait_q is over
+  logic [11:0] again_q;                // wait_q after a row
+  logic [11:0] wait_q;                 // clocks until a row may start, less one: negative when they are over
+  logic due_q;                         // they are
   logic [9:0] rows_left_q;
   logic more_q;                        // a row is left that has words
   logic [7:0] gap_q;                   // rows until the next that has words
   logic has_q;                         // gap_q is 0
+  logic feed_busy_q;                   // feed_busy_i
   logic planned_q, bad_q;              // planned_i, and whether the job is refused
+  dense_status_e plan_status_q;        // status_i: DenseOk if it is not
   logic reading_q;                     // the job's slots are marked: in the states from mark to drain
   logic [9:0] words_q;
-  logic row_q, reserve_q, tail_out_q, begin_q, stall_q, clear_q, ready, stop, ended, refused;
-  logic [7:0] slot_busy_q;
+  logic row_q, reserve_q, tail_out_q, tail_out_q2, begin_q, stall_q, clear_q, ready, stop, ended, refused;
+  logic [7:0] slots_q, slot_busy_q;    // of the job; and those that are marked
 
   assign stop    = rows_q && due_q && (!more_q || cancel_q);
   assign ready   = rows_q && due_q && more_q && !cancel_q;
@@ -88,6 +94,7 @@ module slog_dense_pass
       held_q      <= 1'b0;
       reading_q   <= 1'b0;
       planned_q   <= 1'b0;
+      take_q      <= 1'b0;
       mark_q      <= 1'b0;
       plan_q      <= 1'b0;
       flush_q     <= 1'b0;
@@ -100,45 +107,51 @@ module slog_dense_pass
       row_q       <= 1'b0;
       reserve_q   <= 1'b0;
       tail_out_q  <= 1'b0;
+      tail_out_q2 <= 1'b0;
       stall_q     <= 1'b0;
       clear_q     <= 1'b1;
       slot_busy_q <= '0;
       status_q    <= DenseOk;
     end else begin
-      idle_q     <= (idle_q && !start_i) || over_q;
-      held_q     <= !((idle_q && !start_i) || over_q);
-      reading_q  <= (idle_q && start_i) || (reading_q && !refused && !(drain_q && !feed_busy_i));
-      planned_q  <= planned_i && plan_q && !planned_q;
-      mark_q     <= idle_q && start_i;
-      plan_q     <= mark_q || (plan_q && !planned_q);
-      flush_q    <= (planned_q && !bad_q) || (flush_q && !flushed_q);
-      rows_q     <= (flush_q && flushed_q) || (rows_q && !stop);
-      drain_q    <= stop || (drain_q && feed_busy_i);
-      empty_q    <= (drain_q && !feed_busy_i) || tail_q || (empty_q && !ended);
-      tail_q     <= ended && early_q;
-      over_q     <= refused || (ended && !early_q);
-      begin_q    <= planned_q && !bad_q;
-      row_q      <= ready && room_i;
-      reserve_q  <= (ready && room_i && has_q) || (ended && early_q);
-      tail_out_q <= tail_q;
-      stall_q    <= ready && !room_i;
-      clear_q    <= !(rows_q || drain_q || empty_q || tail_q);
-      for (int unsigned s = 0; s < 8; s++) begin
-        slot_busy_q[s] <= reading_q && (job_q.left_slot == 3'(s) || job_q.right_slot == 3'(s));
-      end
-      if (refused) status_q <= status_i;
-      else if (mark_q) status_q <= DenseOk;
+      idle_q      <= (idle_q && !start_i) || over_q;
+      held_q      <= !(idle_q || over_q);
+      reading_q   <= take_q || (reading_q && !refused && !(drain_q && !feed_busy_q));
+      planned_q   <= planned_i && plan_q && !planned_q;
+      take_q      <= idle_q && start_i;
+      mark_q      <= take_q;
+      plan_q      <= mark_q || (plan_q && !planned_q);
+      flush_q     <= (planned_q && !bad_q) || (flush_q && !flushed_q);
+      rows_q      <= (flush_q && flushed_q) || (rows_q && !stop);
+      drain_q     <= stop || (drain_q && feed_busy_q);
+      empty_q     <= (drain_q && !feed_busy_q) || tail_q || (empty_q && !ended);
+      tail_q      <= ended && early_q;
+      over_q      <= refused || (ended && !early_q);
+      begin_q     <= planned_q && !bad_q;
+      row_q       <= ready && room_i;
+      reserve_q   <= (ready && room_i && has_q) || (ended && early_q);
+      tail_out_q  <= tail_q;
+      tail_out_q2 <= tail_out_q;
+      stall_q     <= ready && !room_i;
+      clear_q     <= !(rows_q || drain_q || empty_q || tail_q);
+      slot_busy_q <= slots_q & {8{reading_q}};
+      if (planned_q) status_q <= plan_status_q;
       else if (tail_q) status_q <= DenseCancelled;
     end
   end
 
   always_ff @(posedge clk_i) begin
-    bad_q <= status_i != DenseOk;
-    has_q <= gap_q == '0;
+    plan_status_q <= status_i;
+    bad_q         <= status_i != DenseOk;
+    has_q         <= gap_q == '0;
+    feed_busy_q   <= feed_busy_i;
+    came_q        <= job_i;
+    width_came_q  <= image_width_i;
+    height_came_q <= image_height_i;
     if (!held_q) begin
-      job_q    <= job_i;
-      width_q  <= image_width_i;
-      height_q <= image_height_i;
+      job_q    <= came_q;
+      for (int unsigned s = 0; s < 8; s++) slots_q[s] <= came_q.left_slot == 3'(s) || came_q.right_slot == 3'(s);
+      width_q  <= width_came_q;
+      height_q <= height_came_q;
       early_q  <= 1'b0;
     end else if (stop) begin
       early_q  <= more_q;
@@ -148,14 +161,15 @@ module slog_dense_pass
     cancel_q     <= !idle_q && (cancel_q || cancel_i);
     flush_left_q <= flush_q ? flush_left_q - 1'b1 : FlushW'(Flush - 1);
     flushed_q    <= flush_q && 32'(flush_left_q) == 1;
-    wait_q       <= row_q ? pitch_i - 11'd3 : wait_q - 1'b1;
-    due_q        <= flush_q || (due_q ? !(ready && room_i) : !row_q && wait_q == '0);
+    again_q      <= 12'(pitch_i) - 12'd4;
+    wait_q       <= row_q ? again_q : wait_q - 1'b1;
+    due_q        <= flush_q || (due_q ? !(ready && room_i) : !row_q && wait_q[11]);
     if (flush_q) begin
       rows_left_q <= height_q;
       gap_q       <= '0;
     end else if (row_q) begin
       rows_left_q <= rows_left_q - 1'b1;
-      gap_q       <= gap_q == '0 ? job_q.step_y - 1'b1 : gap_q - 1'b1;
+      gap_q       <= (has_q ? job_q.step_y : gap_q) - 1'b1;
     end
     more_q  <= is_above(32'(rows_left_q), 32'(gap_q));
     words_q <= empty_q || tail_q ? 10'd1 : has_q ? row_words_i : '0;
@@ -172,16 +186,17 @@ module slog_dense_pass
   assign row_o          = row_q;
   assign words_o        = words_q;
   assign reserve_o      = reserve_q;
-  assign tail_o         = tail_out_q;
+  assign tail_o         = tail_out_q2;
   assign busy_o         = !idle_q;
   assign done_o         = over_q;
   assign status_o       = status_q;
   assign stall_o        = stall_q;
 
   `SLOG_ASSERT(SlogDensePassState,
-               $onehot({idle_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
+               $onehot({idle_q, take_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
   `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
   `SLOG_ASSERT(SlogDensePassPlanned, !planned_q || plan_q)
-  `SLOG_ASSERT(SlogDensePassCopies, held_q == !idle_q &&
+  `SLOG_ASSERT(SlogDensePassHas, !row_q || has_q == (gap_q == '0))
+  `SLOG_ASSERT(SlogDensePassCopies, held_q == !(idle_q || take_q) &&
                reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
 endmodule : slog_dense_pass

@@ -61,6 +61,7 @@ module slog_dense_plan
   logic [Sizes-1:0] size_q;
   logic wide_q, tall_q, none_q, many_q, left_q, right_q, step_q;
   logic [7:0] slot_valid_q;
+  logic [2:0] left_slot_q, right_slot_q;
   dense_status_e status_q;
   always_ff @(posedge clk_i) begin
     for (int unsigned s = 0; s < Sizes; s++) size_q[s] <= 32'(job_i.window) == MaxWindow >> s;
@@ -69,8 +70,10 @@ module slog_dense_plan
     none_q       <= job_i.offsets == '0;
     many_q       <= 32'(job_i.offsets) > Offsets;
     if (start_i) slot_valid_q <= slot_valid_i;
-    left_q       <= 32'(job_i.left_slot) < Slots && slot_valid_q[job_i.left_slot];
-    right_q      <= 32'(job_i.right_slot) < Slots && slot_valid_q[job_i.right_slot];
+    left_slot_q  <= job_i.left_slot;
+    right_slot_q <= job_i.right_slot;
+    left_q       <= 32'(left_slot_q) < Slots && slot_valid_q[left_slot_q];
+    right_q      <= 32'(right_slot_q) < Slots && slot_valid_q[right_slot_q];
     step_q       <= job_i.step_x != '0 && job_i.step_y != '0;
     status_q     <= size_q == '0 || wide_q || tall_q ? DenseBadWindow :
                     none_q || many_q ? DenseBadOffsets :
@@ -78,12 +81,13 @@ module slog_dense_plan
                     !step_q ? DenseBadStep : DenseOk;
   end
 
-  // Columns and delays, likewise.
+  // Columns and delays, likewise: one adder a stage.
   logic [2:0] shrink_q;
   logic [9:0] mask_q;
   logic [15:0] above_q;
   logic signed [10:0] before_q;
   logic signed [9:0] ahead_q;
+  logic [9:0] cut_q;                            // columns at the right plane's end that no left pixel meets
   span_t end_q;
   logic [9:0] first_q, count_q;
   logic [10:0] row_q, pitch_q;
@@ -97,7 +101,7 @@ module slog_dense_plan
     return difference[11];
   endfunction
   assign skip   = 10'(first_q[BitW-1:0]);
-  assign column = first_q - skip;
+  assign column = {first_q[9:BitW], BitW'(0)};
   always_ff @(posedge clk_i) begin
     shrink_q <= '0;
     above_q  <= 16'(MaxWindow * WordsPerRow);
@@ -108,9 +112,10 @@ module slog_dense_plan
       end
     end
     mask_q   <= -10'(job_i.window);
-    before_q <= -11'(job_i.start) - 11'(Offsets - 1);
+    before_q <= 11'(1 - int'(Offsets)) - 11'(job_i.start);
     first_q  <= before_q[10] ? '0 : before_q[9:0];
-    end_q    <= span_t'({2'b00, image_width_i}) - (job_i.start[9] ? '0 : span_t'(job_i.start));
+    cut_q    <= job_i.start[9] ? '0 : job_i.start;
+    end_q    <= span_t'({2'b00, image_width_i}) - span_t'({2'b00, cut_q});
     ahead_q  <= job_i.start + signed'(column);
     count_q  <= end_q[9:0] - column;
     meets_q  <= is_below(first_q, end_q);
@@ -127,8 +132,7 @@ module slog_dense_plan
   logic [10:0] rows_q, columns_q, last_q;       // left to go, less one: negative at the end
   logic signed [9:0] distance_q;
   logic [9:0] words_q;
-  logic [2:0] left_slot_q, right_slot_q;
-  logic [15:0] lines_q, right_addr_q, left_addr_q, over_words_q;
+  logic [15:0] lines_q, right_addr_q, left_addr_q, right_first_q, over_words_q;
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
       start_q <= 1'b0;
@@ -143,15 +147,14 @@ module slog_dense_plan
     end
   end
   always_ff @(posedge clk_i) begin
-    up_q         <= !job_i.down[9];
-    distance_q   <= job_i.down[9] ? -job_i.down : job_i.down;
-    bad_q        <= status_q != DenseOk;
-    last_q       <= 11'(image_width_i) - 1'b1;
-    left_slot_q  <= job_i.left_slot;
-    right_slot_q <= job_i.right_slot;
-    left_addr_q  <= FirstWord[left_slot_q];
-    over_words_q <= 16'(column >> BitW) + FirstWord[right_slot_q];
-    right_addr_q <= lines_q + over_words_q;
+    up_q          <= !job_i.down[9];
+    distance_q    <= job_i.down[9] ? -job_i.down : job_i.down;
+    bad_q         <= status_q != DenseOk;
+    last_q        <= 11'(image_width_i) - 1'b1;
+    left_addr_q   <= FirstWord[left_slot_q];
+    right_first_q <= FirstWord[right_slot_q];
+    over_words_q  <= 16'(column >> BitW) + right_first_q;
+    right_addr_q  <= lines_q + over_words_q;
     if (start_q) begin
       rows_q    <= 11'(unsigned'(distance_q)) - 1'b1;
       columns_q <= last_q;

@@ -7,15 +7,17 @@
 // No word waits anywhere else, because the store answers after a fixed time.
 //
 // Stage  registers                      clocks after column's turn
-//   0    run_q                          0: the column's turn; the first one's is 1 clock after start_i
+//   0    row_q, row_left_q, ...         row_i, one clock before start_i
+//        run_q                          0: the column's turn; the first one's is 1 clock after start_i
 //   1    want_o addr_o                  1: of a word's first column; grant_i 1 to 4; the next address 2 clocks after it
 //   2    next_q                         up to Ahead: came_i with data_i is Answer clocks after the grant
 //   3    token_q                        1..Ahead
 //   4    hold_q and the outputs         Ahead + 1
-// Latency    : start_i to the row's first column Ahead + 2 = 19 clocks.
+// Latency    : start_i to the row's first column Ahead + 2 = 20 clocks.
 // Throughput : a column per clock.
 // Rules      : start_i comes 5 clocks or more after a row's last column's turn. A wish is granted within 4 clocks. row_i
-//              counts with start_i; a row has one column or more besides those it skips. mask_i is constant in a pass.
+//              counts in the clock before start_i; a row has one column or more besides those it skips. mask_i is constant
+//              in a pass.
 // Formats    : bit 0 of a word is the leftmost pixel. valid_o: a column that is not skipped. ok_o: row_i.ok in columns from
 //              window - 1 on, else 0.
 // Reset      : rst_i is held for 1 clock or more.
@@ -43,8 +45,9 @@ module slog_dense_stream
     output logic [      1:0]            ok_o,
     output logic                        busy_o       // a row of two columns or more is under way
 );
-  localparam int unsigned Ahead = 17;
+  localparam int unsigned Ahead = 18;
   localparam int unsigned BitW  = $clog2(Width);
+  localparam int unsigned Parts = (Ahead + 4) / 4;
 
   typedef struct packed {
     logic       run;
@@ -54,6 +57,12 @@ module slog_dense_stream
     logic [1:0] ok;
     logic [1:0] has;
   } token_t;
+
+  // What a row begins with, computed before its start.
+  row_t row_q;
+  logic [9:0] row_after_q;
+  logic [BitW:0] row_skip_q;
+  logic [10:0] row_left_q;
 
   logic run_q, first_q;
   logic [BitW-1:0] bit_q;               // of the column in its word
@@ -67,14 +76,18 @@ module slog_dense_stream
   logic [1:0][Width-1:0] next_q, hold_q;
   token_t token_q[Ahead];
   token_t now;
-  logic [Ahead-1:0] under_way;
-  logic valid_q, busy_q, some_q, first_q2;
+  logic [4*Parts-1:0] under_way;        // the column in turn, and those after it on their way
+  logic [Parts-1:0] some_q;             // of four of these, any
+  logic valid_q, busy_q, any_q, first_q2;
   logic [1:0] ok_q2;
 
   assign now   = token_q[Ahead-1];
   assign skips = !skip_q[BitW];
   assign last  = left_q[10];
-  always_comb for (int unsigned n = 0; n < Ahead; n++) under_way[n] = token_q[n].run;
+  always_comb begin
+    under_way = (4 * Parts)'(run_q);
+    for (int unsigned n = 0; n < Ahead; n++) under_way[n+1] = token_q[n].run;
+  end
 
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
@@ -83,7 +96,8 @@ module slog_dense_stream
       granted_q <= '0;
       valid_q <= 1'b0;
       busy_q  <= 1'b0;
-      some_q  <= 1'b0;
+      some_q  <= '0;
+      any_q   <= 1'b0;
       for (int unsigned n = 0; n < Ahead; n++) token_q[n].run <= 1'b0;
     end else begin
       run_q   <= start_i || (run_q && !last);
@@ -92,23 +106,28 @@ module slog_dense_stream
       end
       granted_q <= grant_i;
       valid_q <= now.run && now.sent;
-      busy_q  <= start_i || run_q || some_q;
-      some_q  <= under_way != '0;
+      busy_q  <= start_i || run_q || any_q;
+      any_q   <= some_q != '0;
+      for (int unsigned n = 0; n < Parts; n++) some_q[n] <= under_way[4*n+:4] != '0;
       token_q[0].run <= run_q;
       for (int unsigned n = 1; n < Ahead; n++) token_q[n].run <= token_q[n-1].run;
     end
   end
 
   always_ff @(posedge clk_i) begin
+    row_q       <= row_i;
+    row_after_q <= row_i.column + 1'b1;
+    row_skip_q  <= (BitW + 1)'(row_i.skip) - 1'b1;
+    row_left_q  <= 11'(row_i.count) - 11'd2;
     if (start_i) begin
-      first_q  <= row_i.first;
+      first_q  <= row_q.first;
       bit_q    <= '0;
       begins_q <= 1'b1;
-      after_q  <= row_i.column + 1'b1;
-      skip_q   <= (BitW + 1)'(row_i.skip) - 1'b1;
-      left_q   <= 11'(row_i.count) - 11'd2;
-      ok_q     <= row_i.ok;
-      has_q    <= {row_i.has_leaving, row_i.has_incoming};
+      after_q  <= row_after_q;
+      skip_q   <= row_skip_q;
+      left_q   <= row_left_q;
+      ok_q     <= row_q.ok;
+      has_q    <= {row_q.has_leaving, row_q.has_incoming};
     end else begin  // run_q, or nobody looks
       bit_q    <= bit_q + 1'b1;
       begins_q <= bit_q == '1;
@@ -117,7 +136,7 @@ module slog_dense_stream
       left_q   <= left_q - 1'b1;
     end
     for (int unsigned n = 0; n < 2; n++) begin
-      if (start_i) addr_q[n] <= AddrW'(n == 0 ? row_i.incoming : row_i.leaving);
+      if (start_i) addr_q[n] <= AddrW'(n == 0 ? row_q.incoming : row_q.leaving);
       else if (granted_q[n]) addr_q[n] <= addr_q[n] + 1'b1;
       if (came_i[n]) next_q[n] <= data_i;
       hold_q[n] <= !now.load ? hold_q[n] >> 1 : now.has[n] ? next_q[n] : '0;
@@ -149,8 +168,8 @@ module slog_dense_stream
 
   `SLOG_ASSERT_INIT(SlogDenseStreamWidth, Width == 2 ** BitW && Width >= 4 && AddrW <= 16)
   `SLOG_ASSERT(SlogDenseStreamApart, !(start_i && (run_q || want_q != '0)))
-  `SLOG_ASSERT(SlogDenseStreamRow, !start_i || (row_i.count > row_i.skip && 32'(row_i.column) % Width == 0 &&
-               32'(row_i.skip) < Width))
+  `SLOG_ASSERT(SlogDenseStreamRow, !start_i || (row_q.count > row_q.skip && 32'(row_q.column) % Width == 0 &&
+               32'(row_q.skip) < Width))
   `SLOG_ASSERT(SlogDenseStreamBegins, !run_q || begins_q == (bit_q == '0))
   `SLOG_ASSERT(SlogDenseStreamGrant, (grant_i & ~want_q) == '0)
 `ifndef SYNTHESIS

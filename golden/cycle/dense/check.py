@@ -9,7 +9,7 @@ from golden.cycle.dense.structs import BACK, CHECKED, NO_SUM, WINNER
 from golden.cycle.model import Inputs, Values
 from golden.dense import AGREEMENT
 
-LOOKED_UP = 5
+LOOKED_UP = 6
 """Clocks from the last back word that a winner may need to the winner's exit, and two more."""
 
 

@@ -7,7 +7,7 @@ from golden.cycle.dense.plan import unpack_job
 from golden.cycle.dense.structs import CANCELLED, OK
 from golden.cycle.model import Inputs, Values
 
-IDLE, MARK, PLAN, FLUSH, ROWS, DRAIN, EMPTY, TAIL, OVER = range(9)
+IDLE, TAKE, MARK, PLAN, FLUSH, ROWS, DRAIN, EMPTY, TAIL, OVER = range(10)
 READING = MARK, PLAN, FLUSH, ROWS, DRAIN
 """States in which the job's slots are marked."""
 MAPPING = ROWS, DRAIN, EMPTY, TAIL
@@ -28,8 +28,12 @@ class DensePassModel:
 
     def __init__(self, flush: int) -> None:
         self.flush = flush
+        self.came: tuple[int | None, int | None, int | None] = None, None, None
+        """Job and size of the clock before."""
         self.job: int | None = None
         self.size: tuple[int | None, int | None] = None, None
+        self.feeds = 0
+        """Whether the feed was busy in the clock before."""
         self.gap: int | None = None
         self.words: int | None = None
         self.has: bool | None = None
@@ -44,6 +48,8 @@ class DensePassModel:
         """Status of the plan that was done in the clock before."""
         self.left = self.wait = 0
         """Clocks of the flush, and until a row may start."""
+        self.tail = 0
+        """Whether the tail's state was that of the clock before."""
         self.pulses = dict.fromkeys(("begin_o", "row_o", "reserve_o", "tail_o", "stall_o", "slot_busy_o"), 0)
         self.pulses["clear_o"] = 1
 
@@ -65,13 +71,15 @@ class DensePassModel:
         accepted = self.planned == OK
         ended = state == EMPTY and bool(i["empty_i"])
         self.pulses = {
-            "begin_o": int(accepted), "row_o": int(going), "tail_o": int(state == TAIL),
+            "begin_o": int(accepted), "row_o": int(going), "tail_o": self.tail,
             "reserve_o": int((going and self.gap == 0) or (ended and self.early)), "clear_o": int(state not in MAPPING),
             "stall_o": int(due and not ending and not going), "slot_busy_o": self._slots() if state in READING else 0}
+        self.tail = int(state == TAIL)
         self.words = 1 if state in (EMPTY, TAIL) else None if self.has is None else i["row_words_i"] * self.has
         self.has = None if self.gap is None else not self.gap
         self._status()
         self.state = self._next(i, ending, ended)
+        self.feeds = i["feed_busy_i"]
         self._count(i, state, bool(started))
         self.planned = i["status_i"] if state == PLAN and i["planned_i"] and self.planned is None else None
         if ending:
@@ -79,8 +87,9 @@ class DensePassModel:
         if state == TAIL:
             self.early = False
         self.cancelled = state != IDLE and (self.cancelled or bool(i["cancel_i"]))
-        if state == IDLE:
-            self.job, self.size, self.early = i["job_i"], (i["image_width_i"], i["image_height_i"]), False
+        if state in (IDLE, TAKE):
+            self.job, self.size, self.early = self.came[0], self.came[1:], False
+        self.came = i["job_i"], i["image_width_i"], i["image_height_i"]
         if i["rst_i"]:
             self._stop()
         return out
@@ -91,19 +100,17 @@ class DensePassModel:
         return 1 << job["left_slot"] | 1 << job["right_slot"]
 
     def _status(self) -> None:
-        if self.planned:
+        if self.planned is not None:
             self.status = self.planned
-        elif self.state == MARK:
-            self.status = OK
         elif self.state == TAIL:
             self.status = CANCELLED
 
     def _next(self, i: Inputs, ending: bool, ended: bool) -> int:
         """The state of the next clock."""
-        after = {IDLE: (i["start_i"], MARK), MARK: (True, PLAN),
+        after = {IDLE: (i["start_i"], TAKE), TAKE: (True, MARK), MARK: (True, PLAN),
                  PLAN: (self.planned is not None, OVER if self.planned else FLUSH),
                  FLUSH: (self.left == self.flush - 1, ROWS), ROWS: (ending, DRAIN),
-                 DRAIN: (not i["feed_busy_i"], EMPTY),
+                 DRAIN: (not self.feeds, EMPTY),
                  EMPTY: (ended, TAIL if self.early else OVER), TAIL: (True, EMPTY), OVER: (True, IDLE)}
         moves, state = after[self.state]
         return state if moves else self.state

@@ -68,7 +68,7 @@ class DenseGroupModel:
 
 
 class DenseEngineModel:
-    """Groups one behind the other. The winner is defined with its valid; what was in flight before a flush is dropped.
+    """Groups one behind the other. The winner is defined with its valid; what is in flight in a flush is dropped.
     """
 
     INPUTS = ("rst_i", "flush_i", "shrink_i", "offsets_i", "left_valid_i", "first_i", "left_incoming_i",
@@ -86,6 +86,8 @@ class DenseEngineModel:
         self.flushes: deque[int] = deque([0] * len(self.groups))
         self.valid: deque[tuple[int, int]] = deque([(0, 0)] * OUT_LAG)
         self.used = self.held = 0
+        self.flush = self.shrink = 0
+        """Of the clock before."""
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
@@ -94,10 +96,11 @@ class DenseEngineModel:
                        "winner_o": found["winner_o"] if valid[0] else None,
                        "back_o": found["back_o"] if valid[1] else None}
         ends = LEFT.unpack(or_zero(found["left_o"]))["in_row"], RIGHT.unpack(or_zero(found["right_o"]))["in_row"]
+        flushed = self.flushes[-1]
         self._move(i)
         self.valid.pop()
         self.valid.appendleft(ends)
-        if i["rst_i"] or i["flush_i"]:
+        if i["rst_i"] or flushed:
             self.valid = deque([(0, 0)] * OUT_LAG)
         left, right = i["left_valid_i"], i["right_valid_i"]
         self.planes.pop()
@@ -107,16 +110,17 @@ class DenseEngineModel:
         self.oks.appendleft((left * i["left_ok_i"], right * i["right_ok_i"]))
         self.marks, self.first = (0 if i["rst_i"] else 2 * left + right), i["first_i"]
         self.flushes.pop()
-        self.flushes.appendleft(i["flush_i"] | self.held)
-        self.held &= 1 - i["flush_i"]
+        self.flushes.appendleft(self.flush | self.held)
+        self.held &= 1 - self.flush
+        self.flush, self.shrink = i["flush_i"], i["shrink_i"]
         if i["rst_i"]:
-            self.flushes, self.held = deque([1] * len(self.groups)), 1
+            self.flushes, self.held, self.flush = deque([1] * len(self.groups)), 1, 0
         self.used = (1 << min(i["offsets_i"], self.offsets)) - 1
         return out
 
     def _move(self, i: Inputs) -> None:
         """A clock of the groups."""
-        ago = self.planes[self.max_window >> i["shrink_i"]]
+        ago = self.planes[self.max_window >> self.shrink]
         bits = [now << 2 | then for now, then in zip(self.planes[0], ago, strict=True)]  # as BITS has them
         coming: Values = {"left_o": LEFT.pack({"in_row": self.marks >> 1, "first": self.first, "bits": bits[0]}),
                           "right_o": RIGHT.pack({"in_row": self.marks & 1, "bits": bits[1]}),

@@ -32,7 +32,8 @@ class DenseFeedModel:
     def __init__(self, build: DenseBuild) -> None:
         self.build = build
         self.planes = [DenseStreamModel(build.width, build.addr_bits) for _ in NAMES]
-        self.data = 0
+        self.data = [0, 0]
+        """Answers of the store, one and two clocks ago."""
         self.row = -1
         self._stop()
 
@@ -41,7 +42,7 @@ class DenseFeedModel:
         """Clocks to the start of each plane's row."""
         self.turn = 0
         self.read: int | None = None
-        self.asked: deque[int] = deque([0] * (STORE_LATENCY + 2))
+        self.asked: deque[int] = deque([0] * (STORE_LATENCY + 3))
         """Which of the four rows each word on its way is for, one bit each, the newest first."""
 
     @property
@@ -66,9 +67,9 @@ class DenseFeedModel:
                 asked = grant
             start = self.waits[n] == 0
             plane.step({"rst_i": i["rst_i"], "start_i": int(start), "mask_i": PLAN.unpack(i["plan_i"])["mask"],
-                        "row_i": self._row(n, i) if start else 0, "grant_i": grant >> 2 * n,
-                        "came_i": came >> 2 * n & 3, "data_i": self.data})
-        self.data = i["rd_data_i"]
+                        "row_i": self._row(n, i) if self.waits[n] == 1 else 0, "grant_i": grant >> 2 * n,
+                        "came_i": came >> 2 * n & 3, "data_i": self.data[1]})
+        self.data = [i["rd_data_i"], self.data[0]]
         self.asked.pop()
         self.asked.appendleft(asked)
         self.turn = (self.turn + 1) % 4

@@ -19,7 +19,7 @@ def map_word(pixel: int, most: int, margin: int, check: int) -> int:
 
 
 class DenseOutModel:
-    """Pixels counted, thinned out, judged and queued; two stages before the queue."""
+    """Pixels counted, thinned out, judged and queued; three stages before the queue."""
 
     INPUTS = ("rst_i", "clear_i", "tail_i", "valid_i", "pixel_i", "image_width_i", "image_height_i", "step_x_i",
               "step_y_i", "most_i", "margin_i", "check_i", "map_tready_i")
@@ -30,6 +30,8 @@ class DenseOutModel:
         self.seen = 0
         """Pixels of the map so far."""
         self.begun = False
+        self.came: Inputs | None = None
+        """Inputs of the clock before."""
         self.judged: tuple[int, bool] | None = None
         self.queued: int | None = None
         self.taken = (0, 0)
@@ -50,7 +52,12 @@ class DenseOutModel:
                        "map_tlast_o": None if word is None else word >> 1 & 1}
         took = or_zero(shown["out_valid_o"]) & i["map_tready_i"]
         self.taken = (0, 0) if i["rst_i"] else (took, self.taken[0])
-        self._judge(i)
+        if self.came is not None:
+            self._judge(self.came)
+        self.came = i
+        if i["rst_i"]:
+            self.judged = self.queued = None
+            self.came = {**i, "valid_i": 0, "tail_i": 0}
         return out
 
     def _judge(self, i: Inputs) -> None:
@@ -68,8 +75,6 @@ class DenseOutModel:
             self.seen, self.begun = 0, False
         elif i["valid_i"]:
             self._count(i)
-        if i["rst_i"]:
-            self.judged = self.queued = None
 
     def _count(self, i: Inputs) -> None:
         """One pixel more."""

@@ -14,6 +14,8 @@ class DenseRoomModel:
 
     def __init__(self, depth: int) -> None:
         self.depth = self.free = depth
+        self.taken = 0
+        """Whether a word was taken in the clock before."""
         self.out: Values = {"room_o": None, "empty_o": None}
 
     def step(self, i: Inputs) -> Values:
@@ -21,7 +23,8 @@ class DenseRoomModel:
         out = self.out
         self.out = {"room_o": int(self.free >= i["words_i"]),
                     "empty_o": int(self.free == self.depth and not i["reserve_i"])}
-        self.free += i["taken_i"] - i["reserve_i"] * i["words_i"]
+        self.free += self.taken - i["reserve_i"] * i["words_i"]
+        self.taken = i["taken_i"]
         if i["rst_i"]:
-            self.free = self.depth
+            self.free, self.taken = self.depth, 0
         return out

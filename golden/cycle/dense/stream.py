@@ -10,7 +10,7 @@ from golden.cycle.bits import pack
 from golden.cycle.dense.structs import ROW
 from golden.cycle.model import Inputs, Values
 
-AHEAD = 17
+AHEAD = 18
 """Clocks from a column's turn to the clock before it is sent."""
 
 
@@ -52,8 +52,10 @@ class DenseStreamModel:
         self.columns: deque[_Column | None] = deque([None] * AHEAD)
         self.shown: _Column | None = None
         self.busy = 0
-        self.some = False
-        """Whether a column was on its way in the clock before."""
+        self.some = [False, False]
+        """Whether a column was in turn or on its way, one and two clocks ago."""
+        self.coming = 0
+        """The row of the clock before, which a start begins."""
 
     @property
     def out(self) -> Values:
@@ -67,9 +69,9 @@ class DenseStreamModel:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         out = self.out
         now = self.columns.pop()
-        under_way = now is not None or any(self.columns)
+        under_way = now is not None or any(self.columns) or self.at is not None
         begun = bool(i["start_i"]) or self.at is not None
-        self.busy, self.some = int(begun or self.some), under_way
+        self.busy, self.some = int(begun or self.some[1]), [under_way, self.some[0]]
         for n in range(2):
             if now and now.load:
                 self.held[n] = self.came[n] if now.has[n] else 0
@@ -86,10 +88,11 @@ class DenseStreamModel:
         self.shown = now
         self.columns.appendleft(self._turn(i["mask_i"]))
         if i["start_i"]:
-            self.row, self.at = ROW.unpack(i["row_i"]), 0
+            self.row, self.at = ROW.unpack(self.coming), 0
             self.addresses = [self.row[name] & (1 << self.addr_bits) - 1 for name in ("incoming", "leaving")]
         if i["rst_i"]:
             self._stop()
+        self.coming = i["row_i"]
         return out
 
     def _turn(self, mask: int) -> _Column | None:

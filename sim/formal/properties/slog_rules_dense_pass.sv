@@ -25,11 +25,13 @@ module slog_rules_dense_pass
     input logic                 done_o,
     input dense_status_e        status_o,
     input logic                 idle_q,
+    input logic                 take_q,
     input logic                 mark_q,
     input logic                 plan_q,
     input logic                 flush_q,
     input logic                 tail_q,
-    input logic          [10:0] wait_q,
+    input logic          [11:0] again_q,
+    input logic          [11:0] wait_q,
     input logic                 due_q,
     input logic                 rows_q,
     input logic          [ 9:0] rows_left_q,
@@ -64,12 +66,13 @@ module slog_rules_dense_pass
       RulesDensePassOnce : assert (!reserve_o || !reserve_q);
       RulesDensePassPitch : assert (!row_o || since_q >= pitch_i);
       RulesDensePassRows : assert (idle_q || rows_seen_q + 11'(rows_left_q) == 11'(height_q) || !rows_q);
-      RulesDensePassNone : assert (!(mark_q || plan_q || flush_q) || rows_seen_q == '0);
+      RulesDensePassNone : assert (!(take_q || mark_q || plan_q || flush_q) || rows_seen_q == '0);
       RulesDensePassTail : assert (!tail_o || status_o == DenseCancelled);
       RulesDensePassDone : assert (!done_o || busy_o);
       // For the induction.
       RulesDensePassSince : assert (!rows_q || due_q || row_o || since_q >= pitch_i ||
-                                    12'(since_q) + 12'(wait_q) + 12'd2 == 12'(pitch_i));
+                                    12'(since_q) + wait_q + 12'd3 == 12'(pitch_i));
+      RulesDensePassAgain : assert (again_q + 12'd4 == 12'(pitch_i));
       RulesDensePassAfter : assert (rows_q || 12'(since_q) + 12'd1 >= 12'(pitch_i));
       RulesDensePassDue : assert (!rows_q || !due_q || row_o || 12'(since_q) + 12'd1 >= 12'(pitch_i));
       CoverSecondRow : cover (row_o && since_q == pitch_i);

@@ -11,9 +11,10 @@ module slog_rules_dense_room #(
     input logic             taken_i,
     input logic             room_o,
     input logic             empty_o,
+    input logic             taken_q,
     input logic [FreeW-1:0] free_q
 );
-  int unsigned owed_q;    // words reserved and not yet taken
+  int unsigned owed_q;    // words reserved and not yet taken, and that of taken_q
   int unsigned before_q;  // the same one clock ago
   logic [9:0] words_q;
   logic reserve_q, ready_q = 1'b0;
@@ -23,11 +24,11 @@ module slog_rules_dense_room #(
     before_q  <= owed_q;
     ready_q   <= !rst_i;
     if (rst_i) owed_q <= 0;
-    else owed_q <= owed_q + (reserve_i ? 32'(words_i) : 0) - 32'(taken_i);
+    else owed_q <= owed_q + (reserve_i ? 32'(words_i) : 0) - 32'(taken_q);
     if (!rst_i) begin
       AssumeWords : assume (!reserve_i || 32'(words_i) <= Depth);
       AssumeReserve : assume (!reserve_i || (ready_q && !reserve_q && (empty_o || (room_o && words_i == words_q))));
-      AssumeTakenWasReserved : assume (!(taken_i && owed_q == 0));
+      AssumeTakenWasReserved : assume (!(taken_i && owed_q == 32'(taken_q)));
       RulesDenseRoomNoOverflow : assert (owed_q <= Depth);
       RulesDenseRoomFree : assert (32'(free_q) + owed_q == Depth);
       RulesDenseRoomEmpty : assert (!ready_q || !empty_o || before_q == 0);
