@@ -36,8 +36,9 @@ WIDE = 2.0
 """Factor on both that it begins with."""
 ROUNDS = 12
 """Rounds with each scale."""
-SLOPE = 0.2
-"""Standard deviation of the floor's slope under an overlap, the picture's width standing for the focal length."""
+SLOPE = 0.4
+"""Standard deviation of the floor's slope under an overlap, the picture's width standing for the focal length: a weak
+prior, since it also holds back the lean of a vehicle."""
 FLATTEST = 1e-4
 """Least standard deviation of a slope's displacement, pixels per pixel, where the camera has hardly moved."""
 LEAST = 8

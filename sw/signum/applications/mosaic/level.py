@@ -31,13 +31,12 @@ from signum.applications.mosaic.sparse import factored
 from signum.geometry.similarity import Similarity
 from signum.measure.refine import baseline
 
-COMMON = 0.05
+COMMON = 0.08
 """Standard deviation of the tilt that all frames share, over the focal length; the frame's width stands for that."""
-OWN = 0.02
+OWN = 0.03
 """Standard deviation of a frame's own, the same."""
-RELIEF = 0.035
-"""Standard deviation of a shear that relief makes: 0.02 in one overlap, and about three edges see the same floor, have
-the same error, and count as one."""
+RELIEF = 0.012
+"""Standard deviation of a shear that the relief of one overlap makes, each way; what tilts leave in Skerki and IMOS."""
 
 
 def tilts(edges: Sequence[Edge], size: tuple[int, int]) -> dict[str, complex]:
