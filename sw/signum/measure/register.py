@@ -33,7 +33,7 @@ from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.agree import Found, Motion, motions
 from signum.measure.likelihood import VALID_BY_CHANCE, chance, evidence
 from signum.measure.measurer import Measurer, View
-from signum.measure.refine import NARROW, refine
+from signum.measure.refine import ACROSS, ALONG, refine
 from signum.measure.registration import UNKNOWN, Prepared, Registration, RegistrationLimits, Rival
 from signum.measure.validity import REASONS, Answers, Reason, Rules
 
@@ -50,7 +50,7 @@ CLOSER = 0.75
 """Side of the windows of the closer look, of those of the first."""
 CLOSER_REACH = 8
 """Its search range, pixels of the board."""
-CLOSER_MOST = 96
+CLOSER_MOST = 192
 """Most of its windows."""
 CLOSER_RULES = Rules(min_score=0.6, min_margin=0.0, backward=False, texture=False)
 """Rules of the closer look, in which windows are where they are known to be."""
@@ -161,7 +161,7 @@ class Registrar:
             return seen
         p = turn.inverse(self.fine.to_source(at[keep]))
         q = self.fine.to_source(at[keep] + answers.moved[keep])
-        found = refine(p, q, seen.similarity, max(self.fine.factor))
+        found = refine(p, q, seen.similarity, max(self.fine.factor), self.fine.source)
         seen = self._witnessed(seen, at[keep][found.agree], at, window)
         if found.agree.sum() < 4:
             return seen
@@ -176,7 +176,7 @@ class Registrar:
         the same pixels as the first ones."""
         if seen.evidence >= self.limits.sure:
             return seen
-        unchecked = chance(NARROW, CLOSER_REACH) / VALID_BY_CHANCE
+        unchecked = chance(math.sqrt(ACROSS * ALONG), CLOSER_REACH) / VALID_BY_CHANCE
         proof = seen.evidence + 0.5 * evidence(agreeing, tried, window, unchecked)
         enough = proof >= self.limits.evidence and seen.agreed >= self.limits.windows
         return replace(seen, evidence=proof, accepted=enough,

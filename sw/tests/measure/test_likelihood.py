@@ -5,10 +5,8 @@ import numpy as np
 import pytest
 
 from signum.common.arrays import Floats
-from signum.geometry.similarity import Similarity
 from signum.measure.agree import Found, motions
 from signum.measure.likelihood import VALID_BY_CHANCE, chance, covered, evidence
-from signum.measure.refine import refine
 
 WINDOW, REACH = 64, 18
 
@@ -54,18 +52,3 @@ def test_both_depths_of_a_view_are_returned(seed: int) -> None:
     found = motions(Found(at, q, at, at, WINDOW, 50, 1.0), 15.0, 1.2, 3.0)
     shifts = [m.similarity(np.array([200.0, 140.0]))[1] - 140 for m in found]
     assert len(found) == 2 and shifts == pytest.approx([20, 40], abs=1.5)
-
-
-def test_a_shear_is_told_from_a_rotation() -> None:
-    """Windows on a floor that leans, some of a boulder: the similarity and the shear of the floor."""
-    rng, p = np.random.default_rng(31), _grid(12, 8)
-    factor, shear = Similarity.of(3.0, 1.02).factor, 0.008 + 0.012j
-    z = (p - p.mean(axis=0)) @ np.array([1, 1j])
-    w = factor * z + shear * z.conj() + complex(200, 150) + rng.normal(0, 0.4, (len(z), 2)) @ np.array([1, 1j])
-    w[:20] += 9
-    q = np.stack([w.real, w.imag], axis=1)
-    found = refine(p, q, Similarity.of(2.0, 1.0, (200.0 - p[:, 0].mean(), 150.0 - p[:, 1].mean())), 1.0)
-    assert abs(found.similarity.factor - factor) < 0.002 and abs(found.shear - shear) < 4 * found.shear_error < 0.02
-    assert not found.agree[:20].any() and found.agree[20:].mean() > 0.9
-    line = refine(p[:12], q[:12], found.similarity, 1.0)
-    assert line.shear == 0 and line.shear_error == float("inf"), "windows in a row show no shear"
