@@ -9,9 +9,10 @@ and a JSON array:
     run      what was asked for; see `SurveyRun`
     frame    number, name, CRC-32 of the picture's pixels, time in seconds if it has one
     stored   number, CRC-32 of `NUMBER.png`
-    pair     numbers of both frames, guess (4 numbers) or null, reach or null, the registration
+    link     numbers of both frames, guess (4 numbers) or null, reach or null, the registration
 
-A line that is damaged, cut short by a crash or lost is left out, and what it held is measured again.
+A line that is damaged, cut short by a crash or lost is left out, and what it held is measured again. So are lines of
+another kind: registrations whose numbers mean something else get another word than `LINK`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
 from signum.measure.registration import Registration, Rival
 
+LINK = "link"
+"""Begins the line of a registration whose similarity leaves a slope of the floor out (`measure.refine`)."""
 Key = tuple[int, int, tuple[float, ...] | None, int | None]
 """A registration's question: the frames' numbers, the guess as 4 numbers, the reach."""
 
@@ -133,7 +136,7 @@ class Journal:
             self._note(number, name, crc, float(time[0]) if time else None)
         elif kind == "stored":
             self.stored[values[0]] = values[1]
-        elif kind == "pair":
+        elif kind == LINK:
             a, b, guess, reach, found = values
             self._known[a, b, None if guess is None else tuple(guess), reach] = _registration(found)
 
@@ -176,7 +179,7 @@ class Journal:
         """Note a registration; returns it as it is read back, of Python's own numbers, which NumPy's differ from in the
         last bit of a quotient."""
         a, b, guess, reach = key
-        text = self._write("pair", a, b, guess, reach, _values(found))
+        text = self._write(LINK, a, b, guess, reach, _values(found))
         self._known[key] = _registration(json.loads(text)[5])
         return self._known[key]
 

@@ -4,6 +4,7 @@
 import json
 import random
 import shutil
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -72,6 +73,14 @@ def _flip(out: Path) -> None:
     path.write_bytes(data)
 
 
+def _older(rows: list[bytes]) -> list[bytes]:
+    """Registrations as an earlier version wrote them, whose numbers meant something else: those of other pairs here."""
+    links = [json.loads(row.partition(b" ")[2]) for row in rows if b'["link",' in row]
+    texts = [json.dumps(["pair", *link[1:5], other[5]]).encode()
+             for link, other in zip(links, links[1:] + links[:1], strict=True)]
+    return [*(row for row in rows if b'["link",' not in row), *(b"%08x %s\n" % (zlib.crc32(t), t) for t in texts)]
+
+
 def _nan(out: Path) -> None:
     path = out / "edges.csv"
     head, first, *rest = path.read_text().splitlines()
@@ -85,6 +94,7 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "a frame's row lost": (_lines(lambda rows: [row for row in rows if b'["frame",2,' not in row]), ""),
     "rows shuffled": (_lines(lambda rows: random.Random(1).sample(rows, len(rows))), ""),
     "rows twice": (_lines(lambda rows: [*rows, *rows]), ""),
+    "registrations of an earlier kind": (_lines(_older), ""),
     "cut short": (_lines(lambda rows: [b"".join(rows)[:-9]]), ""),
     "text in it": (_lines(lambda rows: [rows[0], b"hello\n", b"\xff\xfe\n", b"00000000 []\n", *rows[1:]]), "3 damaged"),
     "run.json null": (_write("run.json", b"null"), "run.json: cannot be read"),

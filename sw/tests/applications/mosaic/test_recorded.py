@@ -126,7 +126,7 @@ def test_an_interrupted_batch_is_continued(alone: list[bytes], tmp_path: Path) -
     tables, rest = _measure(tmp_path, resume=True)
     _, nothing = _measure(tmp_path, resume=True)
     assert tables == alone and first > 0 and rest > 0 and nothing == 0
-    assert (tmp_path / "frames" / "journal.txt").read_text().count('["pair"') == alone[0].count(b"\n") - 1
+    assert (tmp_path / "frames" / "journal.txt").read_text().count('["link"') == alone[0].count(b"\n") - 1
 
 
 def test_frames_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
