@@ -225,7 +225,8 @@ def _busy_slots(h: DenseHost) -> Script:
 
 
 def _accesses(h: DenseHost) -> Script:
-    """Random reads of every register of both maps, and harmless writes, during frames and a pass."""
+    """Random reads of every register of both maps, and harmless writes, during frames and a pass: to the array's
+    registers, which a board without it keeps, too."""
     planes: Planes = {}
     yield from h.set_up(SIGMA, SIZE)
     yield from _capture_pair(h, planes)
@@ -234,7 +235,8 @@ def _accesses(h: DenseHost) -> Script:
     yield from h.go()
     places = sorted({f.address for f in (*fields().values(), *dense_fields().values())} | {0xCC, 0xFC})
     harmless = [address(r) for r in ("dense.planes", "dense.search", "dense.vertical", "dense.limits", "irq_enable",
-                                     "dense.irq_enable", "dense.irq_status", "job.tpl")]
+                                     "dense.irq_enable", "dense.irq_status", "job.tpl", "job.window", "job.search",
+                                     "job.offsets", "job.grid", "job.step")]
     h.master.overlap = 6
     for _ in range(900):
         if not h.beats[0]:
