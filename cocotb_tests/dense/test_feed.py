@@ -35,9 +35,12 @@ class _Passes:
         for number in range(PASSES):
             width = DENSE.max_width if number == 0 else self.rng.randint(18, 200)
             job = any_job(self.rng, DENSE, width)
+            height = job["window"] + self.rng.randint(int(number == 1), 8)
+            if number == 1:  # the right plane ends early: its first row outside is one that leaves the windows, too
+                job |= {"start": 0, "down": -height}
+                height += 1
             fields = plan_of(job, self.build, width)
-            held = {"plan_i": PLAN.pack(fields), "down_i": job["down"] & 0x3FF, "width_i": width,
-                    "height_i": self.rng.randint(job["window"], job["window"] + 8)}
+            held = {"plan_i": PLAN.pack(fields), "down_i": job["down"] & 0x3FF, "width_i": width, "height_i": height}
             rows = 3 if number == 0 else held["height_i"]
             yield from self._clock(held)
             yield from self._clock(held, begin_i=1)
