@@ -83,7 +83,8 @@ module slog_dense_feed
   end
 
   // Rows of the planes, left first: number, and words of the incoming and the leaving row.
-  logic fresh_q, step_q;
+  logic fresh_q;
+  logic moves_q;                       // the rows are the pass's first or the next; it enables their registers
   logic [9:0] y_q;
   line_t r_q, r_above_q;
   addr_t [1:0] incoming_q, leaving_q;
@@ -94,27 +95,25 @@ module slog_dense_feed
   line_t r_after_q, r_first_q;
 
   always_ff @(posedge clk_i) begin
-    if (rst_i) row_q <= '0;
-    else row_q <= {row_q[Settle-2:0], row_i};
-    step_q <= row_i && !fresh_q;
+    if (rst_i) begin
+      row_q   <= '0;
+      moves_q <= 1'b0;
+    end else begin
+      row_q   <= {row_q[Settle-2:0], row_i};
+      moves_q <= begin_i || (row_i && !fresh_q);
+    end
   end
   always_ff @(posedge clk_i) begin
     r_first_q <= -line_t'(down_q);
     y_after_q <= y_q + 1'b1;
     r_after_q <= r_q + 1'b1;
-    if (begin_q) begin
-      y_q           <= '0;
-      r_q           <= r_first_q;
-      incoming_q[0] <= addr_t'(plan_q.left);
-      incoming_q[1] <= addr_t'(plan_q.right);
-      leaving_q     <= above_q;
-    end else if (step_q) begin
-      y_q <= y_after_q;
-      r_q <= r_after_q;
-      for (int unsigned n = 0; n < 2; n++) begin
-        incoming_q[n] <= incoming_q[n] + addr_t'(WordsPerRow);
-        leaving_q[n]  <= leaving_q[n] + addr_t'(WordsPerRow);
-      end
+    if (moves_q) begin
+      y_q           <= begin_q ? '0 : y_after_q;
+      r_q           <= begin_q ? r_first_q : r_after_q;
+      incoming_q[0] <= begin_q ? addr_t'(plan_q.left) : incoming_q[0] + addr_t'(WordsPerRow);
+      incoming_q[1] <= begin_q ? addr_t'(plan_q.right) : incoming_q[1] + addr_t'(WordsPerRow);
+      leaving_q[0]  <= begin_q ? above_q[0] : leaving_q[0] + addr_t'(WordsPerRow);
+      leaving_q[1]  <= begin_q ? above_q[1] : leaving_q[1] + addr_t'(WordsPerRow);
     end
     if (begin_q) fresh_q <= 1'b1;
     else if (row_i) fresh_q <= 1'b0;

@@ -29,9 +29,11 @@ FORGET = tuple(f"setattr {mode}{' '.join(f'-unset {name}' for name in SOURCE_ATT
 """Yosys commands that drop the attributes which hold file names and line numbers, so that a comment or an empty line in
 the sources cannot change the netlist, nor the clock that it reaches."""
 RESET_LEAST = 32
-"""Registers of the dense engine that a reset must have to use the flip-flops' own, else it is logic before them. Every
-few registers of a lane have a condition of their own under which they are set; a tile of flip-flops has two such
-inputs, and the placer would scatter them."""
+"""Registers of boards with the dense engine that a reset must have to use the flip-flops' own, else it is logic before
+them. Every few registers of a lane have a condition of their own under which they are set; a tile of flip-flops has two
+such inputs, and the placer would scatter them."""
+FEW_RESETS = ("slog_dense", "slog_control", "slog_packer_slice")
+"""Modules of these boards for which that is so, each with what is mapped with it."""
 FLIP_FLOPS = " ".join(f"-cell {kinds}" for kinds in (
     "$_DFF_?_ 01", "$_DFF_?P?_ r", "$_SDFF_?P?_ r", "$_DFFE_??_ 01", "$_DFFE_?P??_ r", "$_SDFFE_?P??_ r",
     "$_DLATCH_?_ x"))
@@ -53,9 +55,9 @@ def yosys_script(top: str, config: str, parameters: Sequence[str], folder: Path)
     kept = [f"{block}$*" for block in (*BLOCKS, *SEPARATE) if block != top]
     synthesis = [f"synth_ecp5 -top {top}"]
     if CONFIGS[config].dense_offsets:
-        engine = "slog_dense" if top == "slog_dense" else "slog_dense$*"
+        modules = " ".join(name if name == top else f"{name}$*" for name in FEW_RESETS)
         synthesis = [f"synth_ecp5 -top {top} -run :map_ffs", "opt_clean",
-                     f"dfflegalize -minsrst {RESET_LEAST} {FLIP_FLOPS} {engine}",
+                     f"dfflegalize -minsrst {RESET_LEAST} {FLIP_FLOPS} {modules}",
                      f"synth_ecp5 -top {top} -run map_ffs:"]
     return "\n".join([
         " ".join(read),
