@@ -156,7 +156,7 @@ module slog_dense_out
   localparam int unsigned StoredW = $bits(word_t) - 9;
   logic [StoredW-1:0] stored, offered, shown;
   logic some, take;
-  logic taken_q, taken_q2;                 // the sink lies at the pins, far from where the words are counted
+  logic offer_q, ready_q, taken_q2;        // the sink lies at the pins, far from where the words are counted
   /* verilator lint_off UNUSEDSIGNAL */
   logic room;                              // only asserted: slog_dense_room has seen to it
   logic [$clog2(Depth + 1)-1:0] level;
@@ -191,11 +191,13 @@ module slog_dense_out
   );
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
-      taken_q  <= 1'b0;
+      offer_q  <= 1'b0;
+      ready_q  <= 1'b0;
       taken_q2 <= 1'b0;
     end else begin
-      taken_q  <= map_tvalid_o && map_tready_i;
-      taken_q2 <= taken_q;                 // slog_dense_room has the third
+      offer_q  <= map_tvalid_o;
+      ready_q  <= map_tready_i;
+      taken_q2 <= offer_q && ready_q;  // slog_dense_room has the third
     end
   end
   assign map_tuser_o = shown[StoredW-1];
