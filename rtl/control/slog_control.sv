@@ -361,8 +361,8 @@ module slog_control
   assign irq_o = irq_q;
 
   `SLOG_ASSERT_INIT(SlogControlAddressWidth, AxilAddrW == slog_csr_pkg::SLOG_CSR_MIN_ADDR_WIDTH)
-  // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
   `SLOG_ASSERT_NO_RESET(SlogControlCopies, none_q == !seen_q)
+  // One access at a time, so none is stalled; PeekData is the address of peek_data in the register map.
   `SLOG_ASSERT(SlogControlNoStall, !(req && (req_is_wr ? stall_wr : stall_rd)) && !rd_err && !wr_err)
   // A reset discards the requests that the register block has not decoded.
   `SLOG_PAST(past_rst, rst_i)
