@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from signum.common.arrays import Floats
 from signum.geometry.similarity import Similarity, fit, vote
-from signum.measure.likelihood import chance, evidence
+from signum.measure.likelihood import chance, doubt, evidence
 
 TOLERANCES = (0.03, 0.05, 0.08)
 """Shares of a window's side by which an agreeing window may miss its place; the last is the widest."""
@@ -33,6 +33,7 @@ class Found:
         p: (n, 2) centres of the valid ones, pixels of the pictures.
         q: (n, 2) where they were found.
         at: (n, 2) their centres, pixels of the board.
+        above: (n,) by how many standard deviations their peaks exceed chance.
         tried: (m, 2) centres of all that should be found.
         window: side, pixels of the board.
         reach: half side of the search ranges, the same.
@@ -42,6 +43,7 @@ class Found:
     p: Floats
     q: Floats
     at: Floats
+    above: Floats
     tried: Floats
     window: int
     reach: int
@@ -96,5 +98,6 @@ def _motion(found: Found, left: NDArray[np.bool_], share: float, rot_deg: float,
     result = fit(p, q, start, miss)
     agree = np.zeros(len(left), bool)
     agree[left] = result.agree
-    proof = evidence(found.at[agree], found.tried, found.window, chance(tolerance, found.reach))
+    proof = (evidence(found.at[agree], found.tried, found.window, chance(tolerance, found.reach))
+             - doubt(found.at[agree], found.window, found.above[agree]))
     return Motion(result.similarity, agree, result.rms_px, result.turning, proof)

@@ -31,9 +31,9 @@ from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
 from signum.measure.agree import Found, Motion, motions
-from signum.measure.likelihood import VALID_BY_CHANCE, chance, evidence
+from signum.measure.likelihood import nearby
 from signum.measure.measurer import Measurer, View
-from signum.measure.refine import ACROSS, ALONG, refine
+from signum.measure.refine import refine
 from signum.measure.registration import UNKNOWN, Prepared, Registration, RegistrationLimits, Rival
 from signum.measure.validity import REASONS, Answers, Reason, Rules
 
@@ -172,12 +172,10 @@ class Registrar:
                        shear=(found.shear.real, found.shear.imag), shear_error=min(UNKNOWN, found.shear_error))
 
     def _witnessed(self, seen: Registration, agreeing: Floats, tried: Floats, window: int) -> Registration:
-        """A doubtful registration with the evidence of the closer look's windows; half of it counts, since they see
-        the same pixels as the first ones."""
+        """A doubtful registration with the evidence of the closer look's windows."""
         if seen.evidence >= self.limits.sure:
             return seen
-        unchecked = chance(math.sqrt(ACROSS * ALONG), CLOSER_REACH) / VALID_BY_CHANCE
-        proof = seen.evidence + 0.5 * evidence(agreeing, tried, window, unchecked)
+        proof = seen.evidence + nearby(agreeing, tried, window)
         enough = proof >= self.limits.evidence and seen.agreed >= self.limits.windows
         return replace(seen, evidence=proof, accepted=enough,
                        reason="" if enough else f"only {seen.agreed} of {seen.tried} windows agree")
@@ -291,7 +289,7 @@ class Registrar:
             return self._refused(guess, f"only {len(keep)} of {len(tried)} windows match", len(keep), len(tried))
         p = self.fine.to_source(at[keep])
         q = self.fine.to_source(at[keep] + answers.moved[keep])
-        found = Found(p, q, at[keep], at[tried], window, reach, max(self.fine.factor))
+        found = Found(p, q, at[keep], answers.above_chance[keep], at[tried], window, reach, max(self.fine.factor))
         best, *others = [self._rival(motion, p, answers.score[keep], answers.margin[keep], turn) for motion in
                          motions(found, self.limits.rot_deg, self.limits.zoom, self.limits.evidence)]
         return self._judged(best, len(tried), tuple(others))

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import skimage.data
 
+from signum.applications.mosaic.simulate import Plan, simulate_survey
 from signum.boards.golden import GoldenBoard
 from signum.common.arrays import Image
 from signum.frames.fit import Fit
-from signum.geometry.similarity import Similarity
+from signum.geometry.similarity import Similarity, overlap
 from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
 from signum.reproduce.reference import SHARED
@@ -77,6 +78,18 @@ def test_strangers_are_refused(other: str) -> None:
     place = Similarity.of(shift=(320.0, 360.0))
     result = registrar.register(registrar.prepare(_cut(photo, place)), registrar.prepare(_cut(stranger, place, seed=1)))
     assert not result.accepted and result.reason
+
+
+@pytest.mark.parametrize(("seed", "a", "b"), [(2, 27, 29), (4, 2, 9), (4, 1, 9)])
+def test_pairs_without_overlap_that_six_windows_agree_on_are_refused(seed: int, a: int, b: int) -> None:
+    """Tilted views of relief, with nothing in common: six of twenty windows lie on one motion by chance."""
+    plan = Plan(10, 10, relief=0.12, tilt_deg=3.0)
+    flown = simulate_survey(plan, seed)
+    cells = flown.sequence()
+    registrar = _registrar(plan.size, 48, 2.0)
+    assert overlap(flown.truth[cells[b]].inverse @ flown.truth[cells[a]], plan.size) == 0
+    found = registrar.register(*(registrar.prepare(flown.frames[cells[k]]) for k in (a, b)))
+    assert not found.accepted and found.evidence < registrar.limits.evidence, found
 
 
 @pytest.mark.parametrize("run", ["skerki", "imos/test1", "imos/test5"])
