@@ -65,6 +65,7 @@ module slog_dense_engine
   logic flush_in_q;          // flush_i and shrink_i come from afar
   logic [ShrinkW-1:0] shrink_q;
   logic [Groups-1:0] flush_q;
+  logic [Groups-1:0] calm_q;  // !flush_q, for the next group: the users of flush_q lie around its own
   logic held_q;  // a reset came, and no flush since
   logic [Offsets-1:0] used_q;
   logic [Groups-1:0][IndexBits:0] offsets_q;  // of each group, one after another; they change in a flush
@@ -83,10 +84,12 @@ module slog_dense_engine
       left_valid_q  <= 1'b0;
       right_valid_q <= 1'b0;
       flush_q       <= '1;
+      calm_q        <= '0;
       held_q        <= 1'b1;
     end else begin
       flush_in_q    <= flush_i;
-      flush_q       <= Groups'({flush_q, flush_in_q || held_q});
+      flush_q       <= ~Groups'({calm_q, !(flush_in_q || held_q)});
+      calm_q        <= Groups'({calm_q, !(flush_in_q || held_q)});
       held_q        <= held_q && !flush_in_q;
       left_valid_q  <= left_valid_i;
       right_valid_q <= right_valid_i;
@@ -161,6 +164,7 @@ module slog_dense_engine
   always_ff @(posedge clk_i) flushed_q <= rst_i || !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
 `endif
   `SLOG_ASSERT(SlogDenseEngineWholeFlush, flush_i || flushed_q == '0 || 32'(flushed_q) == Flush)
+  `SLOG_ASSERT(SlogDenseEngineCalm, calm_q == ~flush_q)
   `SLOG_ASSERT(SlogDenseEngineHeld, !held_q || flush_q == '1)
   `SLOG_ASSERT(SlogDenseEngineFlush, !(flush_i || flush_in_q || held_q) || !(left_valid_i || right_valid_i))
 endmodule : slog_dense_engine

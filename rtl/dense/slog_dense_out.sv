@@ -156,7 +156,9 @@ module slog_dense_out
   localparam int unsigned StoredW = $bits(word_t) - 9;
   logic [StoredW-1:0] stored, offered, shown;
   logic some, take;
-  logic offer_q, ready_q, taken_q2;        // the sink lies at the pins, far from where the words are counted
+  // The sink lies at the pins, far from where the words are counted. absent_q: !map_tvalid_o, of which the pins are not
+  // users: a placer puts the registers after it anywhere between the two.
+  logic absent_q, offer_q, ready_q, taken_q2;
   /* verilator lint_off UNUSEDSIGNAL */
   logic room;                              // only asserted: slog_dense_room has seen to it
   logic [$clog2(Depth + 1)-1:0] level;
@@ -191,11 +193,13 @@ module slog_dense_out
   );
   always_ff @(posedge clk_i) begin
     if (rst_i) begin
+      absent_q <= 1'b1;
       offer_q  <= 1'b0;
       ready_q  <= 1'b0;
       taken_q2 <= 1'b0;
     end else begin
-      offer_q  <= map_tvalid_o;
+      absent_q <= take && !some;
+      offer_q  <= !absent_q;
       ready_q  <= map_tready_i;
       taken_q2 <= offer_q && ready_q;  // slog_dense_room has the third
     end
@@ -206,6 +210,7 @@ module slog_dense_out
   assign taken_o     = taken_q2;
 
   `SLOG_ASSERT(SlogDenseOutRoom, !push_q || room)
+  `SLOG_ASSERT(SlogDenseOutAbsent, absent_q == !map_tvalid_o)
   `SLOG_ASSERT(SlogDenseOutTail, !(tail_q && emit_q))
   `SLOG_ASSERT(SlogDenseOutValid, !(emit_q && good) || (pixel_q.found && pixel_q.best <= most_q))
   `SLOG_ASSERT_STABLE(SlogDenseOutStable, map_tvalid_o, map_tready_i,

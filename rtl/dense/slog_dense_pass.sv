@@ -80,6 +80,7 @@ module slog_dense_pass
   dense_status_e plan_status_q;        // status_i: DenseOk if it is not
   logic reading_q;                     // the job's slots are marked: in the states from mark to drain
   logic [9:0] words_q;
+  logic whole_q;                       // !tail_q, for the way to the map
   logic row_q, reserve_q, tail_out_q, tail_out_q2, begin_q, stall_q, clear_q, ready, stop, ended, refused;
   logic [7:0] slots_q, slot_busy_q;    // of the job; and those that are marked
 
@@ -106,6 +107,7 @@ module slog_dense_pass
       begin_q     <= 1'b0;
       row_q       <= 1'b0;
       reserve_q   <= 1'b0;
+      whole_q     <= 1'b1;
       tail_out_q  <= 1'b0;
       tail_out_q2 <= 1'b0;
       stall_q     <= 1'b0;
@@ -129,7 +131,8 @@ module slog_dense_pass
       begin_q     <= planned_q && !bad_q;
       row_q       <= ready && room_i;
       reserve_q   <= (ready && room_i && has_q) || (ended && early_q);
-      tail_out_q  <= tail_q;
+      whole_q     <= !(ended && early_q);
+      tail_out_q  <= !whole_q;
       tail_out_q2 <= tail_out_q;
       stall_q     <= ready && !room_i;
       clear_q     <= !(rows_q || drain_q || empty_q || tail_q);
@@ -197,6 +200,6 @@ module slog_dense_pass
   `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
   `SLOG_ASSERT(SlogDensePassPlanned, !planned_q || plan_q)
   `SLOG_ASSERT(SlogDensePassHas, !row_q || has_q == (gap_q == '0))
-  `SLOG_ASSERT(SlogDensePassCopies, held_q == !(idle_q || take_q) &&
+  `SLOG_ASSERT(SlogDensePassCopies, held_q == !(idle_q || take_q) && whole_q == !tail_q &&
                reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
 endmodule : slog_dense_pass
