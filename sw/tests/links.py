@@ -159,9 +159,9 @@ def rendered(name: str, plan: Plan, seed: int) -> bool:
     wrong, astray = (int((np.array(off) > px).sum()) for px in (0, ASTRAY_PX))
     leans = name.startswith(TILTED)
     kept = found >= ACCEPTED * len(most) and not astray and (bias <= BIAS_DEG if leans else not wrong)
-    print(f"{'kept' if kept else 'MISSED'}: {name}: {len(links)} links, {wrong} outside (by {max(off):.1f} px "
-          f"at most); {found} of {len(most)} pairs with half a view in common accepted; heading bias a link "
-          f"{bias:.2f} degrees", flush=True)
+    print(f"{'kept' if kept else 'MISSED'}: {name}: {len(links)} links, {wrong} outside "
+          f"(by {max(off, default=0):.1f} px at most); {found} of {len(most)} pairs with half a view in common "
+          f"accepted; heading bias a link {bias:.2f} degrees", flush=True)
     return kept
 
 
@@ -172,6 +172,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--short", action="store_true", help="real surveys only")
     given = parser.parse_args(arguments)
     runs = [run for run in RUNS if (SHARED / run).exists()]
+    if given.short and not runs:
+        parser.error(f"--short measures the real surveys, but there are none in {SHARED}")
     kept = True
     if runs:
         found = [real(run) for run in runs]

@@ -34,6 +34,7 @@ class Found:
         q: (n, 2) where they were found.
         at: (n, 2) their centres, pixels of the board.
         above: (n,) by how many standard deviations their peaks exceed chance.
+        perfect: the same of a perfect match.
         tried: (m, 2) centres of all that should be found.
         window: side, pixels of the board.
         reach: half side of the search ranges, the same.
@@ -44,6 +45,7 @@ class Found:
     q: Floats
     at: Floats
     above: Floats
+    perfect: float
     tried: Floats
     window: int
     reach: int
@@ -99,5 +101,5 @@ def _motion(found: Found, left: NDArray[np.bool_], share: float, rot_deg: float,
     agree = np.zeros(len(left), bool)
     agree[left] = result.agree
     proof = (evidence(found.at[agree], found.tried, found.window, chance(tolerance, found.reach))
-             - doubt(found.at[agree], found.window, found.above[agree]))
+             - doubt(found.at[agree], found.window, found.above[agree], found.perfect))
     return Motion(result.similarity, agree, result.rms_px, result.turning, proof)

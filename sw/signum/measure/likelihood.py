@@ -32,9 +32,12 @@ CLEARLY, A_DEVIATION, MOST_DOUBT = 5.6, 0.7, 0.7
 """Standard deviations by which a peak exceeds chance from which it is not doubted; decades of doubt for each that is
 missing, and the most. Half of the strangers that pass the checks exceed chance by 4.8, one in twenty by 6, one in a
 hundred by 7.3; of windows of 48 pixels that see the same thing 95 in a hundred by 6.9 or more, in murky water, too."""
-NEARBY_RIGHT, NEARBY_WRONG = 0.8, 0.35
-"""Share of small windows that agree with a right motion, and with one on which a third of the windows before agreed by
-chance: 0.15 to 0.45 were measured."""
+WEAK, STRONG = 10.0, 15.0
+"""Standard deviations by which a perfect match exceeds chance: up to the first, as of small windows under a wide
+filter, right peaks are as low as those of strangers, and none is doubted; from the second on every low one is."""
+NEARBY_RIGHT, NEARBY_WRONG = 0.75, 0.3
+"""Share of small windows that agree with a right motion; with one on which a quarter to a half of the windows before
+agreed by chance, whose pixels agree again: 0.15 to 0.45 were measured."""
 CELLS = 4
 """Cells a window's side is divided into when areas are counted."""
 
@@ -68,23 +71,25 @@ def chance(tolerance: float, reach: float) -> float:
 
 def ratio(agreed: float, tried: float, probability: float, right: float = RIGHT) -> float:
     """Decimal logarithm of how much better a right motion explains it than chance, that `agreed` of `tried` independent
-    windows agree: of a right one the share `right`, by chance `probability`."""
+    windows agree: of a right one the share `right`, by chance `probability`, which is less."""
     return (agreed * math.log10(right / probability)
             + max(0.0, tried - agreed) * math.log10((1 - right) / (1 - probability)))
 
 
-def doubt(agreeing: Floats, window: float, above_chance: Floats) -> float:
+def doubt(agreeing: Floats, window: float, above_chance: Floats, perfect: float) -> float:
     """Decades to be taken from the evidence of windows whose peaks are as low as those of strangers, 0 or more.
 
     Args:
         agreeing: (k, 2) their centres, pixels.
         window: their side, pixels.
-        above_chance: (k,) by how many standard deviations their peaks exceed chance.
+        above_chance: (k,) by how many standard deviations their peaks exceed chance; finite.
+        perfect: the same of a perfect match.
     """
     if not len(agreeing):
         return 0.0
+    told = min(1.0, max(0.0, (perfect - WEAK) / (STRONG - WEAK)))
     low = np.clip(A_DEVIATION * (CLEARLY - above_chance), 0.0, MOST_DOUBT)
-    return float(low.mean()) * covered(agreeing, window)
+    return told * float(low.mean()) * covered(agreeing, window)
 
 
 def nearby(agreeing: Floats, tried: Floats, window: float) -> float:
@@ -95,7 +100,11 @@ def nearby(agreeing: Floats, tried: Floats, window: float) -> float:
         tried: (n, 2) of all.
         window: their side, pixels.
     """
-    return ratio(covered(agreeing, window), covered(tried, window), NEARBY_WRONG, NEARBY_RIGHT)
+    if not len(tried):
+        return 0.0
+    # They overlap by half: those that agree here and there would cover nearly all.
+    independent = covered(tried, window)
+    return ratio(len(agreeing) / len(tried) * independent, independent, NEARBY_WRONG, NEARBY_RIGHT)
 
 
 def evidence(agreeing: Floats, tried: Floats, window: float, probability: float) -> float:
@@ -110,10 +119,8 @@ def evidence(agreeing: Floats, tried: Floats, window: float, probability: float)
         probability: of `chance`.
     """
     k, n = len(agreeing), len(tried)
-    if k == 0:
-        return ratio(0.0, covered(tried, window), probability)
     if k <= 2:
-        return 0.0
+        return ratio(0.0, covered(tried, window), probability)
     areas = covered(agreeing, window), covered(tried, window)
     choices = max(1.0, areas[1] * (areas[1] - 1) / 2)
     return ratio(areas[0] * (k - 2) / k, areas[1] * (n - 2) / n, probability) - math.log10(choices)

@@ -27,6 +27,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.correlate import above_chance
 from signum.common.arrays import Floats, Image
 from signum.frames.fit import Fit
 from signum.geometry.similarity import IDENTITY, Similarity, fit, vote
@@ -149,7 +150,7 @@ class Registrar:
         """
         measurer, (view, turn) = self._warped(a, self._turn(seen.similarity))
         onward = seen.similarity @ turn.inverse
-        window = max(24, round(CLOSER * self.window))
+        window = max(24, round(CLOSER * self._overlap(onward, turn)[0]))
         centres = self._inside(onward, turn, window, CLOSER_MOST)
         if len(centres) < 4:
             return seen
@@ -158,7 +159,7 @@ class Registrar:
         measurer.release(live)
         keep = np.flatnonzero(answers.valid)
         if len(keep) < 4:
-            return seen
+            return self._witnessed(seen, at[:0], at, window)
         p = turn.inverse(self.fine.to_source(at[keep]))
         q = self.fine.to_source(at[keep] + answers.moved[keep])
         found = refine(p, q, seen.similarity, max(self.fine.factor), self.fine.source)
@@ -172,13 +173,16 @@ class Registrar:
                        shear=(found.shear.real, found.shear.imag), shear_error=min(UNKNOWN, found.shear_error))
 
     def _witnessed(self, seen: Registration, agreeing: Floats, tried: Floats, window: int) -> Registration:
-        """A doubtful registration with the evidence of the closer look's windows."""
+        """A doubtful registration with the evidence of the closer look's windows. Where it has rivals, which have none,
+        they only count against it."""
         if seen.evidence >= self.limits.sure:
             return seen
-        proof = seen.evidence + nearby(agreeing, tried, window)
+        near = nearby(agreeing, tried, window)
+        proof = seen.evidence + (min(near, 0.0) if seen.rivals else near)
         enough = proof >= self.limits.evidence and seen.agreed >= self.limits.windows
-        return replace(seen, evidence=proof, accepted=enough,
-                       reason="" if enough else f"only {seen.agreed} of {seen.tried} windows agree")
+        reason = "" if enough else (f"only {seen.agreed} of {seen.tried} windows agree" if near >= 0 else
+                                    f"only {len(agreeing)} of {len(tried)} small windows agree")
+        return replace(seen, evidence=proof, accepted=enough, reason=reason)
 
     def _refused(self, similarity: Similarity, reason: str, agreed: int = 0, tried: int = 0) -> Registration:
         return Registration(similarity, self._shift(similarity), agreed=agreed, tried=tried, reason=reason)
@@ -289,7 +293,8 @@ class Registrar:
             return self._refused(guess, f"only {len(keep)} of {len(tried)} windows match", len(keep), len(tried))
         p = self.fine.to_source(at[keep])
         q = self.fine.to_source(at[keep] + answers.moved[keep])
-        found = Found(p, q, at[keep], answers.above_chance[keep], at[tried], window, reach, max(self.fine.factor))
+        found = Found(p, q, at[keep], answers.above_chance[keep], above_chance(1.0, window**2, self.sigma), at[tried],
+                      window, reach, max(self.fine.factor))
         best, *others = [self._rival(motion, p, answers.score[keep], answers.margin[keep], turn) for motion in
                          motions(found, self.limits.rot_deg, self.limits.zoom, self.limits.evidence)]
         return self._judged(best, len(tried), tuple(others))

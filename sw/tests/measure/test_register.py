@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registration against known similarities, and refusal where there is nothing to find."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import cv2
@@ -15,9 +16,11 @@ from signum.frames.fit import Fit
 from signum.geometry.similarity import Similarity, overlap
 from signum.measure.measurer import Measurer
 from signum.measure.register import Registrar
+from signum.measure.registration import Rival
 from signum.reproduce.reference import SHARED
 from signum.sources.open import open_source
 from signum.world.seafloor import photograph
+from signum.world.water import COASTAL, Water
 
 SIZE = 384, 288
 
@@ -80,16 +83,32 @@ def test_strangers_are_refused(other: str) -> None:
     assert not result.accepted and result.reason
 
 
-@pytest.mark.parametrize(("seed", "a", "b"), [(2, 27, 29), (4, 2, 9), (4, 1, 9)])
-def test_pairs_without_overlap_that_six_windows_agree_on_are_refused(seed: int, a: int, b: int) -> None:
-    """Tilted views of relief, with nothing in common: six of twenty windows lie on one motion by chance."""
-    plan = Plan(10, 10, relief=0.12, tilt_deg=3.0)
+@pytest.mark.parametrize(("water", "seed", "a", "b"), [
+    (Water(noise=2.0), 2, 27, 29), (Water(noise=2.0), 4, 1, 9), (Water(noise=2.0), 9, 2, 84), (COASTAL, 7, 15, 86),
+])
+def test_pairs_without_overlap_on_which_windows_agree_are_refused(water: Water, seed: int, a: int, b: int) -> None:
+    """Tilted views of relief, with nothing in common: a quarter to a half of the windows share a motion by chance."""
+    plan = Plan(10, 10, relief=0.12, tilt_deg=3.0, water=water)
     flown = simulate_survey(plan, seed)
     cells = flown.sequence()
     registrar = _registrar(plan.size, 48, 2.0)
     assert overlap(flown.truth[cells[b]].inverse @ flown.truth[cells[a]], plan.size) == 0
-    found = registrar.register(*(registrar.prepare(flown.frames[cells[k]]) for k in (a, b)))
-    assert not found.accepted and found.evidence < registrar.limits.evidence, found
+    found = registrar.register(registrar.prepare(flown.frames[cells[a]]), registrar.prepare(flown.frames[cells[b]]))
+    assert found.agreed >= 6 and not found.accepted, found
+    assert found.evidence < registrar.limits.evidence and "small windows" in found.reason
+
+
+def test_a_doubtful_registration_of_which_no_small_window_is_found_again_is_refused() -> None:
+    photo = photograph("gravel", 2.0)
+    registrar = _registrar()
+    place = Similarity.of(shift=(320.0, 360.0))
+    a, flat = registrar.prepare(_cut(photo, place)), registrar.prepare(np.full(SIZE[::-1], 90, np.uint8))
+    sure = registrar.register(a, a)
+    doubtful = replace(sure, evidence=3.2)
+    assert registrar._closer(a, flat, sure).accepted and not registrar._closer(a, flat, doubtful).accepted
+    rival = Rival(sure.similarity, 0.8, 0.1, 6, True, sure.middle, 20.0, 0.5, 4.0)
+    assert registrar._closer(a, a, doubtful).evidence > 3.2
+    assert registrar._closer(a, a, replace(doubtful, rivals=(rival,))).evidence == 3.2
 
 
 @pytest.mark.parametrize("run", ["skerki", "imos/test1", "imos/test5"])

@@ -9,7 +9,7 @@ and a JSON array:
     run      what was asked for; see `SurveyRun`
     frame    number, name, CRC-32 of the picture's pixels, time in seconds if it has one
     stored   number, CRC-32 of `NUMBER.png`
-    link     numbers of both frames, guess (4 numbers) or null, reach or null, the registration
+    match    numbers of both frames, guess (4 numbers) or null, reach or null, the registration
 
 A line that is damaged, cut short by a crash or lost is left out, and what it held is measured again. So are lines of
 another kind: registrations whose numbers mean something else get another word than `LINK`.
@@ -29,8 +29,9 @@ from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
 from signum.measure.registration import Registration, Rival
 
-LINK = "link"
-"""Begins the line of a registration whose similarity leaves a slope of the floor out (`measure.refine`)."""
+LINK = "match"
+"""Begins the line of a registration whose similarity leaves a slope of the floor out (`measure.refine`), and whose
+evidence doubts low peaks and asks small windows (`measure.likelihood`)."""
 Key = tuple[int, int, tuple[float, ...] | None, int | None]
 """A registration's question: the frames' numbers, the guess as 4 numbers, the reach."""
 

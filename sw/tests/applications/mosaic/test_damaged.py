@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from signum.applications.mosaic.journal import Journal, key_of
+from signum.applications.mosaic.journal import LINK, Journal, key_of
 from signum.applications.mosaic.shelf import find_survey, read_record
 from signum.commands.cli import application
 from signum.geometry.similarity import Similarity
@@ -73,12 +73,18 @@ def _flip(out: Path) -> None:
     path.write_bytes(data)
 
 
-def _older(rows: list[bytes]) -> list[bytes]:
+def _older(word: str) -> Callable[[list[bytes]], list[bytes]]:
     """Registrations as an earlier version wrote them, whose numbers meant something else: those of other pairs here."""
-    links = [json.loads(row.partition(b" ")[2]) for row in rows if b'["link",' in row]
-    texts = [json.dumps(["pair", *link[1:5], other[5]]).encode()
-             for link, other in zip(links, links[1:] + links[:1], strict=True)]
-    return [*(row for row in rows if b'["link",' not in row), *(b"%08x %s\n" % (zlib.crc32(t), t) for t in texts)]
+    mine = f'["{LINK}",'.encode()
+
+    def written(rows: list[bytes]) -> list[bytes]:
+        links = [json.loads(row.partition(b" ")[2]) for row in rows if mine in row]
+        texts = [json.dumps([word, *link[1:5], other[5]]).encode()
+                 for link, other in zip(links, links[1:] + links[:1], strict=True)]
+        assert links and word != LINK
+        return [*(row for row in rows if mine not in row), *(b"%08x %s\n" % (zlib.crc32(t), t) for t in texts)]
+
+    return written
 
 
 def _nan(out: Path) -> None:
@@ -94,7 +100,8 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "a frame's row lost": (_lines(lambda rows: [row for row in rows if b'["frame",2,' not in row]), ""),
     "rows shuffled": (_lines(lambda rows: random.Random(1).sample(rows, len(rows))), ""),
     "rows twice": (_lines(lambda rows: [*rows, *rows]), ""),
-    "registrations of an earlier kind": (_lines(_older), ""),
+    "registrations without slope": (_lines(_older("pair")), ""),
+    "registrations without doubt": (_lines(_older("link")), ""),
     "cut short": (_lines(lambda rows: [b"".join(rows)[:-9]]), ""),
     "text in it": (_lines(lambda rows: [rows[0], b"hello\n", b"\xff\xfe\n", b"00000000 []\n", *rows[1:]]), "3 damaged"),
     "run.json null": (_write("run.json", b"null"), "run.json: cannot be read"),
