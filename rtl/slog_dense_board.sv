@@ -5,7 +5,7 @@
 // Registers  : AXI4-Lite, rtl/control/slog_csr.rdl and slog_dense_csr.rdl. Jobs for the array are counted as lost.
 // Video      : AXI4-Stream per camera, 8-bit grey, tuser = start of frame, tlast = end of line; one pixel per clock.
 // Map        : AXI4-Stream of slog_dense_pkg::map_t, the pixels of a pass in raster order; tuser = first, tlast = last of it.
-// Reset      : rst_i is held for 1 clock or more. It reaches the blocks 3 clocks after the pin and leaves them 6 clocks
+// Reset      : rst_i is held for 1 clock or more. It reaches the blocks 4 clocks after the pin and leaves them 7 clocks
 //              after; transfers in either direction before the first of these are lost, between them none is made. The
 //              board starts in reset at power-up.
 // Rule       : the engine reads no slot into which a capture has written since the slot last held a whole frame; so a

@@ -11,6 +11,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.control.peek import PeekModel
 from golden.cycle.model import Inputs, Stimulus, Values
+from golden.traffic.lasting import lasting
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
@@ -54,13 +55,18 @@ class PeekPort:
         return out
 
 
+def _enough(seen: Counter[str]) -> bool:
+    """Whether each of the six meetings has been seen often."""
+    return len(seen) == 6 and min(seen.values()) >= 5
+
+
 def _traffic(rng: random.Random, port: PeekPort, bits: int, words: int, seen: Counter[str]) -> Stimulus:
     """New addresses, some outside the store, while the word of the one before is asked for, on its way or there; the
     store takes a peek by preference as the address changes."""
     p = port.peek
     address = idle = 0
     answer: int | None = None  # clocks until the store's word
-    for t in range(CLOCKS):
+    for t in lasting(CLOCKS, 10 * CLOCKS, lambda: _enough(seen)):
         idle += 1
         rst = int(t % 401 == 400 or (idle < 10 and rng.random() < 0.01))
         may = idle >= APART and not rst
@@ -96,7 +102,7 @@ async def every_clock(dut) -> None:
     await check_cycles(dut, port, _traffic(random.Random(cocotb.RANDOM_SEED), port, bits, words, seen))
     dut._log.info(f"{dict(seen)}")
     met("peek under load", seen)
-    assert len(seen) == 6 and min(seen.values()) >= 5, seen
+    assert _enough(seen), seen
 
 
 @pytest.mark.parametrize("bits", [8, 64])

@@ -2,6 +2,7 @@
 """`slog_grid` against its cycle model, and so the frame-level grid, on every clock."""
 
 import random
+from collections.abc import Callable
 
 import cocotb
 
@@ -10,18 +11,19 @@ from cocotb_tests.env.diagram import check_diagram
 from golden.cycle.correlator.grid import GridModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.structs import JOB, unpack_job
+from golden.traffic.lasting import lasting
 from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
 CLOCKS = 400
 
 
-def _commands(rng: random.Random, source: str, sink: str) -> Stimulus:
-    """Random grids, some beyond the coordinate range, with one reset in mid-grid."""
+def _commands(rng: random.Random, source: str, sink: str, enough: Callable[[], bool]) -> Stimulus:
+    """Random grids, some beyond the coordinate range, with one reset in mid-grid, until there are `enough`."""
     offer, take = ready_pattern(source, rng), ready_pattern(sink, rng)
     held: Inputs | None = None
     room = 0  # stays set until a job is offered
-    for t in range(CLOCKS):
+    for t in lasting(CLOCKS, 10 * CLOCKS, enough):
         garbage = {"job_i": rng.getrandbits(JOB.bits), "count_x_i": rng.choice((0, 1, 1, 2, 5)),
                    "count_y_i": rng.choice((0, 1, 1, 2, 4)), "step_x_i": rng.choice((0, 1, 16, 300, 1023)),
                    "step_y_i": rng.choice((0, 1, 16, 300, 1023))}
@@ -48,8 +50,11 @@ async def every_clock(dut, source: str, sink: str) -> None:
             jobs += 1
             edge += 1023 in (unpack_job(out["job_o"]).tpl_x, unpack_job(out["job_o"]).search_y)
 
-    await check_cycles(dut, GridModel(), _commands(rng, source, sink), count)
-    assert jobs > CLOCKS // 12 and edge > 0
+    def enough() -> bool:
+        return jobs > CLOCKS // 12 and edge > 0
+
+    await check_cycles(dut, GridModel(), _commands(rng, source, sink, enough), count)
+    assert enough()
 
 
 @cocotb.test()

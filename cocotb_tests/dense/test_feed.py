@@ -35,6 +35,8 @@ class _Passes:
         for number in range(PASSES):
             width = DENSE.max_width if number == 0 else self.rng.randint(18, 200)
             job = any_job(self.rng, DENSE, width)
+            if number == 0:  # both planes' rows at once
+                job["start"] = 0
             height = job["window"] + self.rng.randint(int(number == 1), 8)
             if number == 1:  # the right plane ends early: its first row outside is one that leaves the windows, too
                 job |= {"start": 0, "down": -height}

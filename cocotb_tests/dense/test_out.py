@@ -39,14 +39,17 @@ class _Maps:
         for number in range(MAPS):
             self.sink = ready_pattern(SHAPES[number % len(SHAPES)], self.rng)
             height, early, cut = self.rng.randint(1, 12), number % 5 == 4, number == MAPS // 2
-            self._choose(height)
-            for _ in range(self.rng.randint(1, 4)):
-                yield from self._clock(clear_i=1, valid_i=self.rng.getrandbits(1))
+            if number < 2:  # as many words as there are
+                height = 12
+            self._choose(height, **({"image_width_i": 20, "step_x_i": 1, "step_y_i": 1} if number < 2 else {}))
+            for left in reversed(range(self.rng.randint(1, 4))):
+                yield from self._clock(clear_i=1, valid_i=self.rng.getrandbits(1) if left else 0)
             yield from self._rows(self.rng.randrange(height) if early or cut else height)
             if cut:  # before the last pixel of a row
                 yield from self._drain()
                 for _ in range(self.fixed["image_width_i"] - 1):
-                    yield from self._clock(valid_i=1)
+                    yield from self._clock(
+                        valid_i=1, pixel_i=_pixel(self.rng, self.fixed["most_i"], self.fixed["margin_i"]))
                 yield from self._clock(rst_i=1)
                 self.held = 0
             elif early:
@@ -55,13 +58,13 @@ class _Maps:
                 yield from self._clock(tail_i=1)
             yield from self._drain()
 
-    def _choose(self, height: int) -> None:
+    def _choose(self, height: int, **chosen: int) -> None:
         """What is constant in a map."""
         rng = self.rng
         steps = [rng.choice((1, 1, 2, 3, rng.randint(1, 20), 255)) for _ in range(2)]
         self.fixed = {"image_width_i": rng.randint(2, 20), "image_height_i": height, "step_x_i": steps[0],
                       "step_y_i": steps[1], "most_i": rng.choice((NO_SUM, rng.randint(0, 100), 0)),
-                      "margin_i": rng.choice((0, rng.randint(0, 100), LARGEST, NO_SUM)), "check_i": rng.getrandbits(1)}
+                      "margin_i": rng.choice((0, rng.randint(0, 100), LARGEST, NO_SUM)), "check_i": rng.getrandbits(1), **chosen}
 
     def _clock(self, **values: int) -> Stimulus:
         noise = self.rng.getrandbits(CHECKED.bits)

@@ -2,6 +2,7 @@
 """`slog_dense_pass` and `slog_dense_room` against their cycle models on every clock."""
 
 import random
+from collections.abc import Mapping
 
 import cocotb
 import pytest
@@ -14,6 +15,7 @@ from golden.cycle.dense.structs import CANCELLED, DENSE_JOB
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY_DENSE
 from golden.traffic.dense_block import any_job, pack_start
+from golden.traffic.lasting import lasting
 from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
 
@@ -21,9 +23,15 @@ STARTS = 60
 CLOCKS = 4000
 
 
-def _host(rng: random.Random) -> Stimulus:
+def _enough(seen: Mapping[str, int]) -> bool:
+    """Whether every end has been seen, and stalls, rows and tails often."""
+    return (min(seen.get(name, 0) for name in ("stall_o", "row_o", "tail_o")) > 5
+            and {f"status {n}" for n in (0, 1, 4, CANCELLED)} <= seen.keys())
+
+
+def _host(rng: random.Random, seen: Mapping[str, int]) -> Stimulus:
     """Starts and cancels at any time; plan, feed, room and sink answer after any time; a reset now and then."""
-    for number in range(STARTS):
+    for number in lasting(STARTS, 10 * STARTS, lambda: _enough(seen)):
         job = {**any_job(rng, TINY_DENSE, 48), "step_y": rng.choice((1, 1, 2, 3, 5, 255))}
         room, height, words = ready_pattern(rng.choice(SHAPES), rng), rng.randint(8, 20), rng.randint(1, 48)
         status, planned, cancel = rng.choice((0, 0, 0, 1, 4)), rng.randint(3, 20), rng.choice((0.0, 0.0, 0.005, 0.05))
@@ -76,9 +84,8 @@ async def every_clock(dut) -> None:
         await check_cycles(dut, DenseRoomModel(params()["Depth"]), _words(rng), watch)
         assert CLOCKS // 10 < seen["room_o"] < CLOCKS and seen["empty_o"] > 10
     else:
-        await check_cycles(dut, DensePassModel(params()["Flush"]), _host(rng), watch)
-        assert min(seen[name] for name in ("stall_o", "row_o", "tail_o")) > 5
-        assert {f"status {n}" for n in (0, 1, 4, CANCELLED)} <= seen.keys()
+        await check_cycles(dut, DensePassModel(params()["Flush"]), _host(rng, seen), watch)
+        assert _enough(seen), seen
 
 
 @pytest.mark.parametrize(("part", "parameters"), [("pass", {"Flush": 12}), ("room", {"Depth": 20})])

@@ -12,6 +12,7 @@ from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.dense_job import STEP_MAX, DenseStatus
 from golden.params import DENSE
 from golden.traffic.dense_block import any_job, bad_job, build_of, pack_start
+from golden.traffic.lasting import lasting
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
@@ -24,10 +25,10 @@ PARAMETERS = {"Width": BUILD.width, "MaxHeight": BUILD.max_height, "WordsPerRow"
               "Sizes": BUILD.sizes}
 
 
-def _starts(rng: random.Random, jobs: list[dict[str, int]]) -> Stimulus:
+def _starts(rng: random.Random, jobs: list[dict[str, int]], seen: list[int]) -> Stimulus:
     """Jobs of every kind, good and bad, each held until it is done, some longer, some started anew after a reset; they
-    are appended to `jobs`."""
-    for number in range(JOBS):
+    are appended to `jobs`. They end when each status has been `seen`."""
+    for number in lasting(JOBS, 10 * JOBS, lambda: set(seen) == set(range(5))):
         size = rng.randint(34, 640), rng.choice((16, 34, 480, rng.randint(34, 480)))
         job = (bad_job if number % 3 == 0 else any_job)(rng, DENSE, size[0])
         jobs.append(job)
@@ -55,7 +56,7 @@ async def every_clock(dut) -> None:
         if out["done_o"]:
             seen.append(out["status_o"])
 
-    await check_cycles(dut, DensePlanModel(BUILD), _starts(random.Random(cocotb.RANDOM_SEED), jobs),
+    await check_cycles(dut, DensePlanModel(BUILD), _starts(random.Random(cocotb.RANDOM_SEED), jobs, seen),
                        watch)
     assert set(seen) == set(range(5)) and seen.count(0) > JOBS // 3
     met("dense statuses", {status.name: seen.count(status) for status in DenseStatus})

@@ -10,7 +10,8 @@
 //   clocks after row_i
 //   2..5   rows' addresses, and whether they lie in their planes
 //   4      the delays begin
-//   6 + d  start of slog_dense_stream, d the plane's delay: row_t counts here, with the next row_i at the latest
+//   5 + d  row_t counts, d the plane's delay: with the next row_i at the latest; slog_dense_stream registers it
+//   6 + d  start of slog_dense_stream
 //   26 + d first column at the engine
 //   clocks after a wish of a stream
 //   0..3   granted: each of the four rows has every fourth clock
@@ -49,7 +50,7 @@ module slog_dense_feed
     output logic                    right_incoming_o,
     output logic                    right_leaving_o,
     output logic        [      1:0] right_ok_o,
-    output logic                    busy_o            // rows are under way: from 2 clocks after a start on
+    output logic                    busy_o            // rows are under way: from the clock after a start of a stream on
 );
   localparam int unsigned Settle  = 4;
   localparam int unsigned Answers = StoreLatency + 2;  // from rd_valid_o to data_q2
@@ -253,5 +254,7 @@ module slog_dense_feed
   `SLOG_ASSERT(SlogDenseFeedRow, !(row_i && (waits_q != '0 || row_q != '0)))
   `SLOG_ASSERT(SlogDenseFeedTurn, $onehot(turn_q))
   `SLOG_ASSERT(SlogDenseFeedBegin, !(begin_q && (row_i || waits_q != '0 || row_q != '0 || busy_o)))
+  `SLOG_ASSERT(SlogDenseFeedConstant, !(row_q != '0 || waits_q != '0 || busy_o) ||
+               {plan_i, down_i, width_i, height_i} == {plan_q, down_q, width, height})
   `SLOG_ASSERT_INIT(SlogDenseFeedLatency, Answers == 12)
 endmodule : slog_dense_feed

@@ -10,12 +10,13 @@
 //   4..9 slog_ram_fifo, slog_stage: map_tvalid_o with the word
 // Latency    : a word is offered 9 clocks after its pixel at the earliest.
 // Throughput : one pixel per clock in, one word per clock out.
-// Rules      : clear_i before every map, until its pixels come; then image_height_i rows of image_width_i pixels, with any
+// Rules      : clear_i before every map, until its pixels come; pixels that come with it are ignored, and none comes with
+//              its last clock. Then image_height_i rows of image_width_i pixels, with any
 //              pauses, of 2 clocks at least between rows. image_width_i is 2 or more. The image's size, steps, most_i, margin_i
 //              and check_i are constant from the last clock of clear_i until the map's last word has been taken. Whoever
 //              sends pixels knows that there is room for their words: Depth of them (slog_dense_room). tail_i, when no pixel
 //              is due: one word more, the last, in which no offset counts.
-// Formats    : map_t; map_tuser_o with the first word of a map, map_tlast_o with the last.
+// Formats    : a pixel's rest is its best or more. map_t; map_tuser_o with the first word of a map, map_tlast_o with the last.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_out
@@ -201,7 +202,7 @@ module slog_dense_out
       absent_q <= take && !some;
       offer_q  <= !absent_q;
       ready_q  <= map_tready_i;
-      taken_q2 <= offer_q && ready_q;  // slog_dense_room has the third
+      taken_q2 <= offer_q && ready_q;  // the third register on this way is in slog_dense_room
     end
   end
   assign map_tuser_o = shown[StoredW-1];
@@ -211,6 +212,11 @@ module slog_dense_out
 
   `SLOG_ASSERT(SlogDenseOutRoom, !push_q || room)
   `SLOG_ASSERT(SlogDenseOutAbsent, absent_q == !map_tvalid_o)
+  `SLOG_ASSERT(SlogDenseOutConstant, clear_i || clear_q || !(valid_q || emit_q) ||
+               {image_width_i, image_height_i, step_x_i, step_y_i, most_i, margin_i, check_i} ==
+               {width_q, height_q, step_x_q, step_y_q, most_q, margin_q, check_q})
+  `SLOG_ASSERT(SlogDenseOutClear, clear_i || !(clear_q && valid_q))
+  `SLOG_ASSERT(SlogDenseOutRest, clear_q || !valid_q || came_q.rest >= came_q.best)
   `SLOG_ASSERT(SlogDenseOutTail, !(tail_q && emit_q))
   `SLOG_ASSERT(SlogDenseOutValid, !(emit_q && good) || (pixel_q.found && pixel_q.best <= most_q))
   `SLOG_ASSERT_STABLE(SlogDenseOutStable, map_tvalid_o, map_tready_i,

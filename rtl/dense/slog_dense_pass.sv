@@ -199,6 +199,9 @@ module slog_dense_pass
                $onehot({idle_q, take_q, mark_q, plan_q, flush_q, rows_q, drain_q, empty_q, tail_q, over_q}))
   `SLOG_ASSERT_INIT(SlogDensePassFlush, Flush >= 6)
   `SLOG_ASSERT(SlogDensePassPlanned, !planned_q || plan_q)
+  `SLOG_PAST(past_pitch, pitch_i)
+  `SLOG_ASSERT(SlogDensePassPitch, !(begin_q || flush_q || rows_q) || 32'(pitch_i) >= 8)
+  `SLOG_ASSERT(SlogDensePassConstant, !rows_q || pitch_i == past_pitch)
   `SLOG_ASSERT(SlogDensePassHas, !row_q || has_q == (gap_q == '0))
   `SLOG_ASSERT(SlogDensePassCopies, held_q == !(idle_q || take_q) && whole_q == !tail_q &&
                reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))
