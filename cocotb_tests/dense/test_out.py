@@ -64,7 +64,8 @@ class _Maps:
         steps = [rng.choice((1, 1, 2, 3, rng.randint(1, 20), 255)) for _ in range(2)]
         self.fixed = {"image_width_i": rng.randint(2, 20), "image_height_i": height, "step_x_i": steps[0],
                       "step_y_i": steps[1], "most_i": rng.choice((NO_SUM, rng.randint(0, 100), 0)),
-                      "margin_i": rng.choice((0, rng.randint(0, 100), LARGEST, NO_SUM)), "check_i": rng.getrandbits(1), **chosen}
+                      "margin_i": rng.choice((0, rng.randint(0, 100), LARGEST, NO_SUM)), "check_i": rng.getrandbits(1),
+                      **chosen}
 
     def _clock(self, **values: int) -> Stimulus:
         noise = self.rng.getrandbits(CHECKED.bits)
