@@ -35,6 +35,9 @@ SIZE = 20, 18
 OTHER = 21, 19
 """Another size, for changes between frames."""
 FIELDS = tuple(DenseResult.__dataclass_fields__)
+NO_ARRAY = ("counter.scores.value", "counter.jobs.value", "counter.refused.value", "job.status.waiting",
+            "job.status.ready", "job.status.busy", "result.pop.waiting", "irq_status.result")
+"""Fields of the array's jobs and results, 0 on a board without it."""
 
 Planes = dict[int, Plane]
 
@@ -108,6 +111,8 @@ def _everyday(h: DenseHost) -> Script:
     yield from _pass(h, DenseJob(2, 1, DensePass(4, 16, -6), (3, 2)), planes)
     busy = yield from h.read("counter.busy.value")
     assert busy > 2 * SIZE[0] * SIZE[1]
+    for name in NO_ARRAY:
+        assert (yield from h.read(name)) == 0, name
 
 
 def _refused(h: DenseHost) -> Script:

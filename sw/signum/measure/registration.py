@@ -85,10 +85,11 @@ class Registration:
         middle: centroid of the agreeing windows, original pixels of a; the picture's centre where there are none.
         spread_px: their root-mean-square distance from it, original pixels.
         rms_px: of their distances from their places by the similarity, original pixels.
-        evidence: that they agree for another reason than chance, decades.
+        evidence: that they agree for another reason than chance, decades, low peaks doubted and, where it was in doubt,
+            with that of the closer look; below 0 if chance explains them better.
         rivals: other motions that enough windows agree on, the best first.
         shear: real and imaginary part of the shear beside the similarity; see `refine`.
-        shear_error: standard error of each. Infinite where they were not measured.
+        shear_error: standard error of each, `UNKNOWN` where they were not measured.
     """
 
     similarity: Similarity

@@ -12,7 +12,7 @@ and a JSON array:
     match    numbers of both frames, guess (4 numbers) or null, reach or null, the registration
 
 A line that is damaged, cut short by a crash or lost is left out, and what it held is measured again. So are lines of
-another kind: registrations whose numbers mean something else get another word than `LINK`.
+another kind: registrations whose numbers mean something else get another word than `MATCH`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
 from signum.measure.registration import Registration, Rival
 
-LINK = "match"
+MATCH = "match"
 """Begins the line of a registration whose similarity leaves a slope of the floor out (`measure.refine`), and whose
 evidence doubts low peaks and asks small windows (`measure.likelihood`)."""
 Key = tuple[int, int, tuple[float, ...] | None, int | None]
@@ -137,7 +137,7 @@ class Journal:
             self._note(number, name, crc, float(time[0]) if time else None)
         elif kind == "stored":
             self.stored[values[0]] = values[1]
-        elif kind == LINK:
+        elif kind == MATCH:
             a, b, guess, reach, found = values
             self._known[a, b, None if guess is None else tuple(guess), reach] = _registration(found)
 
@@ -180,7 +180,7 @@ class Journal:
         """Note a registration; returns it as it is read back, of Python's own numbers, which NumPy's differ from in the
         last bit of a quotient."""
         a, b, guess, reach = key
-        text = self._write(LINK, a, b, guess, reach, _values(found))
+        text = self._write(MATCH, a, b, guess, reach, _values(found))
         self._known[key] = _registration(json.loads(text)[5])
         return self._known[key]
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from signum.applications.mosaic.journal import LINK, Journal, key_of
+from signum.applications.mosaic.journal import MATCH, Journal, key_of
 from signum.applications.mosaic.shelf import find_survey, read_record
 from signum.commands.cli import application
 from signum.geometry.similarity import Similarity
@@ -75,13 +75,13 @@ def _flip(out: Path) -> None:
 
 def _older(word: str) -> Callable[[list[bytes]], list[bytes]]:
     """Registrations as an earlier version wrote them, whose numbers meant something else: those of other pairs here."""
-    mine = f'["{LINK}",'.encode()
+    mine = f'["{MATCH}",'.encode()
 
     def written(rows: list[bytes]) -> list[bytes]:
         links = [json.loads(row.partition(b" ")[2]) for row in rows if mine in row]
         texts = [json.dumps([word, *link[1:5], other[5]]).encode()
                  for link, other in zip(links, links[1:] + links[:1], strict=True)]
-        assert links and word != LINK
+        assert links and word != MATCH
         return [*(row for row in rows if mine not in row), *(b"%08x %s\n" % (zlib.crc32(t), t) for t in texts)]
 
     return written

@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 
 from signum.applications.mosaic.crew import Bench, Cluster, Crew, Processes, answer_all, shared_out
 from signum.applications.mosaic.edges import JOIN
-from signum.applications.mosaic.journal import LINK, Key
+from signum.applications.mosaic.journal import MATCH, Key
 from signum.applications.mosaic.recorded import RecordedSurvey
 from signum.boards.golden import GoldenBoard
 from signum.commands.cli import application
@@ -126,7 +126,7 @@ def test_an_interrupted_batch_is_continued(alone: list[bytes], tmp_path: Path) -
     tables, rest = _measure(tmp_path, resume=True)
     _, nothing = _measure(tmp_path, resume=True)
     assert tables == alone and first > 0 and rest > 0 and nothing == 0
-    assert (tmp_path / "frames" / "journal.txt").read_text().count(f'["{LINK}"') == alone[0].count(b"\n") - 1
+    assert (tmp_path / "frames" / "journal.txt").read_text().count(f'["{MATCH}"') == alone[0].count(b"\n") - 1
 
 
 def test_frames_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
