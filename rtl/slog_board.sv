@@ -12,6 +12,7 @@
 `include "slog_assert.svh"
 module slog_board
   import slog_pkg::*;
+  import slog_store_pkg::*;
   import slog_cfg_pkg::*;
 (
     input  logic                    clk_i,
@@ -92,6 +93,7 @@ module slog_board
   assign s_axil_rvalid  = axil_rsp.rvalid;
 
   // No register block but the board's own.
+  progress_t [Cameras-1:0] unused_progress;
   logic unused_ext_req, unused_ext_is_wr;
   logic [AxilAddrW-1:0] unused_ext_addr;
   logic [31:0] unused_ext_data, unused_ext_biten;
@@ -232,7 +234,8 @@ module slog_board
       .armed_o      (armed),
       .writing_o    (writing),
       .refused_o    (capture_refused),
-      .done_o       (captured)
+      .done_o       (captured),
+      .progress_o   (unused_progress)
   );
 
   slog_store #(

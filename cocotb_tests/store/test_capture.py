@@ -14,12 +14,14 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.capture import CaptureModel
-from golden.cycle.store.capture_channel import HOPS
+from golden.cycle.store.capture_channel import HOPS, PROGRESS
 from golden.traffic.lasting import lasting
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
 CLOCKS = 3000
+WRITTEN = 2
+"""Clocks after a row is counted in which its last word is at the store's write port at the latest."""
 QUEUED = 4
 """Words that a camera's queue holds."""
 
@@ -45,11 +47,12 @@ class _Counts:
     refused: int = 0
     given_up: int = 0
     both: int = 0
+    rows: int = 0
     memory: dict[int, int] = field(default_factory=dict)
 
     def enough(self, cameras: int) -> bool:
         """Whether each event was met so often that a fault in it would be seen."""
-        return (self.captures >= 4 and self.aborted >= 2 and self.refused >= 12 and self.given_up >= 1
+        return (self.captures >= 4 and self.rows >= 12 and self.aborted >= 2 and self.refused >= 12 and self.given_up >= 1
                 and (cameras == 1 or self.both >= 1))
 
 
@@ -117,11 +120,34 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
     place = [0] * p["Cameras"]
     before = {"writing_o": 0, "armed_o": 0}
     commands = deque([0, 0], 2)
+    counted = [0] * p["Cameras"]
+    # Rows counted in the last clocks, the latest first: slot, their number, words of the frame.
+    due: deque[list[tuple[int, int, dict[int, int]]]] = deque([[] for _ in range(WRITTEN)], WRITTEN)
+
+    def follow(out: Outputs) -> None:
+        """What is counted is in the store WRITTEN clocks later."""
+        for slot, rows, words in due.pop():
+            for k in (k for k in words if k < rows * p["WordsPerRow"]):
+                assert seen.memory.get(slot * p["SlotWords"] + k) == words[k], f"word {k} of slot {slot}, {rows} rows"
+        now = []
+        for c in range(p["Cameras"]):
+            told = PROGRESS.unpack(out["progress_o"] >> PROGRESS.bits * c)
+            if told["writing"] and told["rows"] != counted[c]:
+                assert told["rows"] > counted[c]
+                now.append((told["slot"], told["rows"], frames[c]))
+                seen.rows += 1
+            if told["done"]:
+                assert told["rows"] * p["WordsPerRow"] == p["SlotWords"]
+            counted[c] = told["rows"] if told["writing"] else 0
+        due.appendleft(now)
 
     def watch(i: Inputs, out: Outputs) -> None:
         """A slot that becomes valid must hold exactly the words of the frame its camera finished last."""
         if out["wr_valid_o"]:
             seen.memory[out["wr_addr_o"]] = out["wr_data_o"]
+        follow(out)
+        if i["rst_i"]:  # what is on its way is lost
+            due.extend([[] for _ in range(WRITTEN)])
         for c in range(p["Cameras"]):
             if i["frame_start_i"] >> c & 1:
                 frames[c], place[c] = {}, 0
@@ -151,7 +177,7 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
         commands.append(i["cmd_valid_i"])
 
     assert await check_cycles(dut, model, _frames_and_commands(rng, p, tight, resets, seen), watch) >= CLOCKS
-    met("captures", {"frame kept": seen.captures, "frame aborted": seen.aborted, "request refused": seen.refused,
+    met("captures", {"frame kept": seen.captures, "row counted": seen.rows, "frame aborted": seen.aborted, "request refused": seen.refused,
                      "gave way to a job": seen.given_up, "both cameras write": seen.both * (p["Cameras"] == 2)})
     assert seen.enough(p["Cameras"]), seen
 

@@ -13,9 +13,13 @@
 //              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command takes effect after 2
 //              clocks, when armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
+// Progress   : progress_o tells of each camera how far its slot is written: see progress_t. A word of a row that it counts in
+//              clock t is written by wr_valid_o of clock t + 2 at the latest.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
-module slog_capture #(
+module slog_capture
+  import slog_store_pkg::*;
+#(
     parameter  int unsigned Cameras     = 2,
     parameter  int unsigned GroupBits   = 64,
     parameter  int unsigned Slots       = 6,
@@ -44,7 +48,8 @@ module slog_capture #(
     output logic [Cameras-1:0]                armed_o,
     output logic [Cameras-1:0]                writing_o,
     output logic                              refused_o,       // the last command was refused
-    output logic                              done_o           // pulse: a slot became valid
+    output logic                              done_o,          // pulse: a slot became valid
+    output progress_t [Cameras-1:0]           progress_o
 );
   localparam int unsigned Depth  = 4;  // of each camera's queue
   localparam int unsigned WordW  = AddrW + GroupBits;
@@ -161,7 +166,8 @@ module slog_capture #(
         .writing_o    (writing_o[c]),
         .clear_o      (clear[c]),
         .set_o        (set[c]),
-        .finish_o     (finish[c])
+        .finish_o     (finish[c]),
+        .progress_o   (progress_o[c])
     );
   end
 

@@ -11,14 +11,20 @@
 //   1      inputs from the front end; whether the correlator reads the slot
 //   2      push_o, with the word and its address for the queue (slog_capture_slice)
 //   3      the queue's level: empty_o
+//   4      progress_o.rows, when the queue is empty: the rows whose words have all left it
 // Latency    : word_valid_i to push_o 2 clocks, empty_o falls one clock later; frame_done_i to set_o 4 + Hops clocks when
 //              the queue is empty, else 3 + Hops after the last word has left it: the words reach the queue Hops clocks
 //              after they are counted in its level.
 // Throughput : one word per clock in, out as fast as the store accepts; Depth suffices for the short last words of two
 //              cameras' rows.
+// Progress   : progress_o.rows counts a row 2 clocks after its last word has left the queue, or later if another waits then,
+//              which is 2 clocks before that word is at the store's write port (Hops = 2), and 4 before it may be read.
+//              progress_o.writing begins when the check is over, so a slot that the check finds busy is not touched.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
-module slog_capture_channel #(
+module slog_capture_channel
+  import slog_store_pkg::*;
+#(
     parameter  int unsigned GroupBits   = 64,
     parameter  int unsigned Slots       = 6,
     parameter  int unsigned SlotWords   = 4800,
@@ -54,7 +60,8 @@ module slog_capture_channel #(
     output logic                 writing_o,       // from frame start to finish
     output logic                 clear_o,         // clear the valid bit of the slot in slot_mask_o
     output logic                 set_o,           // set that valid bit
-    output logic                 finish_o         // set_o is for a new frame
+    output logic                 finish_o,        // set_o is for a new frame
+    output progress_t            progress_o
 );
   // Clocks from start to the decision. In clock 2 the valid bit is cleared, while slog_fetch, one register later, may still
   // check a job against the old bit; such a job marks the slot busy in that clock. Through two registers, of slog_capture
@@ -76,6 +83,7 @@ module slog_capture_channel #(
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   logic [Depth:0] level_q;                           // words in the queue, one-hot
   logic up, down;
+  logic [9:0] pushed_q, rows_q;                      // rows of the frame that have entered the queue, and left it
 
   assign start       = wait_q && frame_start_q && !ask_i && !cancel_i;
   assign held        = !cancel_i && (arm_i || (held_q && !finish_q));
@@ -179,7 +187,27 @@ module slog_capture_channel #(
     end
   end
 
+  // A row has left when the queue is empty that it has entered.
+  always_ff @(posedge clk_i) begin
+    if (rst_i || wait_q) begin
+      pushed_q <= '0;
+      rows_q   <= '0;
+    end else begin
+      if (push_q && last_q2) pushed_q <= pushed_q + 1'b1;
+      if (level_q[0]) rows_q <= pushed_q;
+    end
+  end
+  assign progress_o = '{
+          held: held_q,
+          writing: writing_q || finishing_q,
+          done: finish_q,
+          slot: slot_q & {3{held_q}},
+          rows: rows_q
+      };
+
   `SLOG_ASSERT(SlogCaptureLevel, $onehot(level_q))
+  `SLOG_ASSERT(SlogCaptureDone, !finish_q || finishing_q)
+  `SLOG_ASSERT(SlogCaptureRows, rows_q <= pushed_q)
   `SLOG_ASSERT(SlogCaptureRoom, !push_q || !level_q[Depth])
   `SLOG_ASSERT(SlogCaptureWaits, !pop_i || !level_q[0])
   `SLOG_ASSERT(SlogCaptureNoEarlyWord, !(checking_q || (writing_q && load_q)) || !word_q)

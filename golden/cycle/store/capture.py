@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from golden.cycle.model import Inputs, Values
-from golden.cycle.store.capture_channel import HOPS, CaptureChannelModel
+from golden.cycle.store.capture_channel import HOPS, PROGRESS, CaptureChannelModel
 
 
 class CaptureModel:
@@ -15,7 +15,8 @@ class CaptureModel:
 
     INPUTS = ("rst_i", "cmd_valid_i", "cmd_cancel_i", "cmd_camera_i", "cmd_slot_i", "clear_i", "slot_busy_i",
               "word_valid_i", "word_data_i", "word_last_i", "frame_start_i", "frame_done_i", "frame_abort_i")
-    OUTPUTS = ("wr_valid_o", "wr_addr_o", "wr_data_o", "slot_valid_o", "armed_o", "writing_o", "refused_o", "done_o")
+    OUTPUTS = ("wr_valid_o", "wr_addr_o", "wr_data_o", "slot_valid_o", "armed_o", "writing_o", "refused_o", "done_o",
+               "progress_o")
 
     def __init__(self, cameras: int, group_bits: int, slots: int, slot_words: int, words_per_row: int) -> None:
         self.cameras, self.group_bits, self.slots = cameras, group_bits, slots
@@ -38,6 +39,7 @@ class CaptureModel:
             "writing_o": sum(ch.writing << c for c, ch in enumerate(self.channels)),
             "refused_o": refused,
             "done_o": self.done,
+            "progress_o": sum(ch.progress << PROGRESS.bits * c for c, ch in enumerate(self.channels)),
         }
 
     def _decide(self) -> tuple[int | None, int | None, int]:

@@ -5,11 +5,15 @@ from __future__ import annotations
 
 from collections import deque
 
+from golden.structs import Layout
+
 CHECK_CLOCKS = 5
 """Clocks for which a starting capture checks whether its slot is busy."""
 HOPS = 2
 """Clocks by which the words of the queues follow their levels."""
 IDLE, ARMED, CHECK, WRITE, FINISH = range(5)
+PROGRESS = Layout(("held", 1), ("writing", 1), ("done", 1), ("slot", 3), ("rows", 10))
+"""`progress_t`: what a camera's capture tells of the frame in its slot."""
 
 
 class CaptureChannelModel:
@@ -25,6 +29,10 @@ class CaptureChannelModel:
         self.left = [False] * (HOPS + 1)  # by clocks ago: finishing, and the last word had left the queue
         self.clears = self.restores = self.finishes = False  # commands to the valid bit of the slot in this clock
         self.fifo: deque[tuple[int, int]] = deque()
+        self.ends = 0
+        """Whether the word that enters the queue in this clock is a row's last."""
+        self.pushed = self.rows = 0
+        """Rows of the frame that have entered the queue, and those that have left it."""
 
     @property
     def armed(self) -> bool:
@@ -35,6 +43,12 @@ class CaptureChannelModel:
     def writing(self) -> bool:
         """From frame start to the end of the capture."""
         return self.state in (CHECK, WRITE, FINISH)
+
+    @property
+    def progress(self) -> int:
+        """`progress_t`: a row is counted 2 clocks after its last word has left the queue, if no other waits then."""
+        return PROGRESS.pack({"held": self.armed, "writing": self.state in (WRITE, FINISH), "done": self.finishes,
+                              "slot": self.slot * self.armed, "rows": self.rows})
 
     def edge(self, *, rst: int, arm: bool, cancel: bool, slot: int, busy: int, valid: int, word: int | None, last: int,
              start: int, done: int, abort: int, pop: bool) -> None:
@@ -53,6 +67,7 @@ class CaptureChannelModel:
         left = [self.push is None and not self.fifo, *self.left[:-1]]
         self.left = [self.state == FINISH and was and not rst for was in left]
         self.clears, self.restores, self.finishes = starts, restores, finishes
+        self._count(rst, last)
         arrived = self.push
         self.push = (self.addr, word) if word is not None and self.state == WRITE and not rst else None
         state, checked = self.state, self.check == 0
@@ -91,3 +106,13 @@ class CaptureChannelModel:
                 self.fifo.popleft()
             if arrived:
                 self.fifo.append(arrived)
+
+    def _count(self, rst: int, last: int) -> None:
+        """Count rows; `last` is of the word that enters the queue in the next clock."""
+        if rst or self.state == ARMED:
+            self.pushed = self.rows = 0
+        else:
+            if not self.fifo:
+                self.rows = self.pushed
+            self.pushed += int(self.push is not None and self.ends)
+        self.ends = last
