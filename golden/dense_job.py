@@ -33,7 +33,7 @@ class DenseStatus(IntEnum):
     BAD_OFFSETS = 2
     """No offsets, or more than the engine has."""
     BAD_SLOT = 3
-    """A slot that the board has not, or without a frame."""
+    """A slot that the board has not, or without a frame and, in a live pass, without a request for one."""
     BAD_STEP = 4
     """A step of 0."""
 
@@ -53,6 +53,9 @@ class DenseJob:
         most: most mismatches of a valid pixel, 0..2047.
         margin: least distance of a valid pixel's best from the rest, mismatches, 0..2047.
         check: whether the winners of both planes must agree.
+        live: whether the slots may be those of captures that are armed or under way. Each row of the pass then waits
+            for its rows of the frames that these captures get; the answer is that of a pass over the whole frames. If
+            one of them does not become whole, the pass ends with a status of its own, and its map must not be used.
 
     Raises:
         ValueError: if a number does not fit its register.
@@ -65,6 +68,7 @@ class DenseJob:
     most: int = MOST
     margin: int = 0
     check: bool = False
+    live: bool = False
 
     def __post_init__(self) -> None:
         for name, top in RANGES.items():
@@ -110,7 +114,7 @@ def check_dense(window: int, offsets: int, slots: tuple[int, int], step: tuple[i
         step: across and down, pixels.
         config: the board; bounds window, offsets and slots.
         size: (width, height) of the image, pixels.
-        held: the slots that hold a frame.
+        held: the slots that hold a frame; of a live pass also those that armed captures will fill.
     """
     if window not in config.dense_windows or window > min(size):
         return DenseStatus.BAD_WINDOW
@@ -146,7 +150,8 @@ def run_dense(job: DenseJob, planes: Mapping[int, Plane], config: Config, size: 
 
     Args:
         job: the job, acceptable or not.
-        planes: sign planes by slot, uint8 0/1, (height, width) of `size`; a slot without a frame has no key.
+        planes: sign planes by slot, uint8 0/1, (height, width) of `size`; a slot without a frame has no key. Of a live
+            pass they are the whole frames that come into the slots.
         config: the board.
         size: (width, height) of the image, pixels.
     """

@@ -8,12 +8,13 @@
 // Reset      : rst_i is held for 1 clock or more. It reaches the blocks 4 clocks after the pin and leaves them 7 clocks
 //              after; transfers in either direction before the first of these are lost, between them none is made. The
 //              board starts in reset at power-up.
-// Rule       : the engine reads no slot into which a capture has written since the slot last held a whole frame; so a
-//              map is of one frame of each camera, or refused.
+// Rule       : of a slot into which a capture has written since the slot last held a whole frame the engine reads only words
+//              of that capture's frame; so a map is of one frame of each camera, or refused, or ended with DenseLost.
 `include "slog_assert.svh"
 module slog_dense_board
   import slog_pkg::*;
   import slog_dense_pkg::*;
+  import slog_store_pkg::*;
   import slog_cfg_pkg::*;
 (
     input  logic                    clk_i,
@@ -64,6 +65,7 @@ module slog_dense_board
   logic [2:0] capture_slot;
   logic [7:0] slot_valid, slot_busy;
   logic [Cameras-1:0] armed, writing;
+  progress_t [Cameras-1:0] progress;
   logic wr_valid, rd_valid, peek_valid, peek_ready, peek_done;
   logic [AddrW-1:0] wr_addr, rd_addr, peek_addr;
   logic [GroupBits-1:0] wr_data, rd_data, peek_data;
@@ -259,7 +261,8 @@ module slog_dense_board
       .armed_o      (armed),
       .writing_o    (writing),
       .refused_o    (capture_refused),
-      .done_o       (captured)
+      .done_o       (captured),
+      .progress_o   (progress)
   );
 
   slog_store #(
@@ -301,7 +304,8 @@ module slog_dense_board
       .Lanes      (DenseLanes),
       .MaxWindow  (DenseWindow),
       .Sizes      (DenseSizes),
-      .OutDepth   (OutDepth)
+      .OutDepth   (OutDepth),
+      .Cameras    (Cameras)
   ) u_dense (
       .clk_i         (dense_clk),
       .rst_i         (rst),
@@ -311,6 +315,8 @@ module slog_dense_board
       .image_width_i (width),
       .image_height_i(height),
       .slot_valid_i  (slot_valid),
+      .progress_i    (progress),
+      .clear_i       (slots_clear),
       .slot_busy_o   (slot_busy),
       .rd_valid_o    (rd_valid),
       .rd_addr_o     (rd_addr),
@@ -328,10 +334,19 @@ module slog_dense_board
   );
 
 `ifndef SYNTHESIS
-  // Slots partly written: from the first word of a capture until the slot is valid again.
+  // Slots partly written: from the first word of a capture until the slot is valid again. A frame's words are written with
+  // ascending addresses, so those from end_q on are of another frame; end_q is the word after the last one that may be read.
   logic [7:0] partial_q, partial;
-  assign partial = (partial_q | (8'(wr_valid) << wr_addr / AddrW'(SlotWords))) & ~slot_valid;
-  always_ff @(posedge clk_i) partial_q <= rst ? '0 : partial;
-  `SLOG_ASSERT(SlogDenseBoardOneFrame, rst || !rd_valid || !partial[3'(rd_addr / AddrW'(SlotWords))])
+  logic [7:0][AddrW:0] end_q, end_q2;
+  logic [2:0] read_slot;
+  assign partial   = (partial_q | (8'(wr_valid) << wr_addr / AddrW'(SlotWords))) & ~slot_valid;
+  assign read_slot = 3'(rd_addr / AddrW'(SlotWords));
+  always_ff @(posedge clk_i) begin
+    partial_q <= rst ? '0 : partial;
+    end_q2    <= end_q;
+    if (wr_valid) end_q[3'(wr_addr/AddrW'(SlotWords))] <= (AddrW + 1)'(wr_addr) + 1'b1;
+  end
+  `SLOG_ASSERT(SlogDenseBoardOneFrame, rst || !rd_valid || !partial[read_slot] || (partial_q[read_slot] &&
+               (AddrW + 1)'(rd_addr) < end_q2[read_slot] && (AddrW + 1)'(rd_addr) < end_q[read_slot]))
 `endif
 endmodule : slog_dense_board

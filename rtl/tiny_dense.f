@@ -81,6 +81,7 @@ dense/slog_dense_back.sv
 dense/slog_dense_group.sv
 dense/slog_dense_engine.sv
 dense/slog_dense_plan.sv
+dense/slog_dense_live.sv
 dense/slog_dense_room.sv
 dense/slog_dense_stream.sv
 dense/slog_dense_feed.sv

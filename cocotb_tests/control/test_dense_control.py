@@ -44,7 +44,7 @@ def traffic(rng: random.Random, seen: dict[str, int]) -> Stimulus:
         done = int(busy == 1)
         out = yield {**idle, **(dict(request) if late else {**noise, **held}), **held, "rst_i": rst,
                      "req_i": int(age == 0 and not rst), "busy_i": int(busy > 0), "done_i": done,
-                     "status_i": rng.randrange(6), "row_i": rng.getrandbits(1), "stall_i": rng.getrandbits(1)}
+                     "status_i": rng.randrange(7), "row_i": rng.getrandbits(1), "stall_i": rng.getrandbits(1)}
         age = pause if rst else age + 1
         busy = max(busy - 1, 0)
         if begin:

@@ -13,9 +13,10 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.drive import drive
 from golden.correlate import Plane
 from golden.cycle.dense.block import DenseBlockModel
-from golden.cycle.dense.structs import CANCELLED, NO_SUM, OK
+from golden.cycle.dense.structs import BAD_SLOT, CANCELLED, LOST, NO_SUM, OK
 from golden.params import TINY_DENSE
 from golden.traffic.dense_block import DenseBlockTraffic, PassOutcome, Start, any_job, bad_job, build_of, verify
+from golden.traffic.live import FATES, Request
 from golden.traffic.stalls import SHAPES
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
@@ -68,7 +69,8 @@ def _any(rng: random.Random) -> Start:
 def _ended(start: Start, rng: random.Random, how: str) -> Start:
     """The same start, cancelled or reset somewhere on its way."""
     clocks = rng.choice((rng.randint(1, 110), rng.randint(110, 70 * start.size[1])))
-    return Start(start.job, start.planes, start.size, **{how: clocks}, sink=start.sink)
+    return Start(start.job, start.planes, start.size, clocks if how == "cancel" else None,
+                 clocks if how == "reset" else None, start.sink)
 
 
 def _check(traffic: DenseBlockTraffic) -> int:
@@ -126,6 +128,121 @@ async def maps(dut) -> None:
     met("dense passes", {**ends, **windows, "start while busy": traffic.pushed, "stalled by the sink": stalled})
     assert traffic.pushed > 50
     assert sum(outcome.stalls for outcome in traffic.outcomes) > 100
+
+
+PACES = {"faster than the pass": (1, 9), "slower than the pass": (90, 150), "any pace": (1, 150)}
+"""Clocks between rows of a camera, at least and at most; those of the pass are 65 or more apart."""
+LIVE = ("left frame later", "right frame later", "one request only", "both frames there", "one slot", "aborted, seen",
+        "request gone, seen", "size changed, seen", "request gone before it began, seen", "lost after the last row",
+        "cancelled while waiting", "refused", "old frame", "frame begun before", "down", "up", "step", *PACES)
+"""What live passes must have met."""
+
+
+def _live(rng: random.Random, easy: bool = False) -> tuple[Start, set[str]]:
+    """A live start, and what it is a case of: frames that come before, during or long after it, or not at all."""
+    size = rng.choice(((18, 9), (20, 10), (48, 12)))
+    job = {**any_job(rng, TINY_DENSE, size[0]), "live": 1, "window": rng.choice((4, 8))}
+    job["down"] = rng.choice((0, 0, 1, -1, rng.randint(-9, 9), rng.randint(-size[1], size[1])))
+    if rng.random() < 0.5:
+        job.update(start=rng.randint(-12, 4), step_x=1, step_y=1)
+    if rng.random() < 0.85 and job["left_slot"] == job["right_slot"]:
+        job["right_slot"] = (job["left_slot"] + 1) % BUILD.slots
+    planes = _planes(rng, size, job)
+    slots = [job["left_slot"], job["right_slot"]]
+    rng.shuffle(slots)
+    if slots[0] == slots[1]:
+        slots.pop()
+    pace = rng.choice(list(PACES))
+    cases = {pace, *(name for name, met in (("down", job["down"] > 0), ("up", job["down"] < 0),
+                                            ("step", job["step_y"] > 1)) if met)}
+    requests: list[Request | None] = [None, None]
+    before = rng.choice((0, 0, 25, 300))
+    for c, slot in enumerate(slots):
+        if rng.random() < (0.9 if len(slots) == 2 else 1.0):
+            fate = "whole" if easy or rng.random() < 0.7 else rng.choice(FATES)
+            requests[c] = Request(slot, size[1], PACES[pace], rng.choice((0, 30, 200, 1500)), fate,
+                                  rng.randint(0, size[1]), rng.choice((0, 40, 40 if before else None)), 5 + c)
+    asked = {one.slot for one in requests if one}
+    old = {slot: 1 - planes[slot] for slot in asked if rng.random() < 0.5}
+    clear = rng.choice((1, 2, rng.randint(3, 900))) if not easy and rng.random() < 0.15 else None
+    cancel = rng.randint(1, 2500) if not easy and rng.random() < 0.15 else None
+    if not easy and rng.random() < 0.1:
+        planes = {slot: plane for slot, plane in planes.items() if slot in asked}
+    return Start(job, planes, size, cancel, sink=rng.choice(SHAPES), requests=(requests[0], requests[1]), old=old,
+                 before=before, clear=clear), cases
+
+
+def _seen(start: Start, outcome: PassOutcome) -> set[str]:
+    """What a live start met, in the words of LIVE."""
+    job, asked = start.job, {one.slot: one for one in start.requests if one}
+    sent = (-(-start.size[1] // job["step_y"]) - 1) * job["step_y"] + 1
+    left, right = asked.get(job["left_slot"]), asked.get(job["right_slot"])
+    fates = {one.fate: one for one in asked.values()}
+    good, lost = outcome.status == OK, outcome.status == LOST
+    begun = any(one.fate == "whole" and one.wait < start.before for one in asked.values())
+    gone = [one for one in asked.values() if one.fate in ("cancel", "move")]
+    return {name for name, met in (
+        ("left frame later", good and left and right and left.wait > right.wait + 100),
+        ("right frame later", good and left and right and right.wait > left.wait + 100),
+        ("one request only", good and len(asked) == 1 and job["left_slot"] != job["right_slot"]),
+        ("both frames there", good and not asked), ("one slot", good and job["left_slot"] == job["right_slot"]),
+        ("aborted, seen", lost and set(fates) == {"abort"} and start.clear is None),
+        ("request gone, seen", lost and gone and gone[0].at and start.clear is None),
+        ("request gone before it began, seen", lost and gone and not gone[0].at and start.clear is None),
+        ("size changed, seen", lost and start.clear is not None and set(fates) <= {"whole"}),
+        ("lost after the last row", lost and outcome.rows == sent),
+        ("cancelled while waiting", outcome.status == CANCELLED), ("refused", outcome.status == BAD_SLOT),
+        ("old frame", good and start.old), ("frame begun before", good and begun)) if met}
+
+
+@cocotb.test()
+async def live_every_clock(dut) -> None:
+    """A few live passes, whole and lost."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    starts = [_live(rng, easy=number % 2 == 0)[0] for number in range(6)]
+    traffic = DenseBlockTraffic(starts, TINY_DENSE, rng)
+    await check_cycles(dut, DenseBlockModel(BUILD), traffic.stimulus())
+    _check(traffic)
+
+
+@cocotb.test()
+async def live(dut) -> None:
+    """Live passes of every kind: what ends well is the map of the whole frames, each row searched when it is there and
+    not before; no other ends well, and none hangs."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    seen: Counter[str] = Counter()
+    while len(seen) < len(LIVE):
+        drawn = [_live(rng) for _ in range(60)]
+        traffic = DenseBlockTraffic([start for start, _ in drawn], TINY_DENSE, rng)
+        await drive(dut, DenseBlockModel.INPUTS, DenseBlockModel.OUTPUTS, traffic.stimulus())
+        _check(traffic)
+        for (start, cases), outcome in zip(drawn, traffic.outcomes, strict=True):
+            seen.update(_seen(start, outcome) | (cases if outcome.status == OK else set()))
+            wanted = start.clear is not None or any(one and one.fate != "whole" for one in start.requests)
+            assert wanted or outcome.status != LOST, start
+    met("live passes", {name: seen[name] for name in LIVE})
+
+
+@cocotb.test()
+async def live_ends_soon(dut) -> None:
+    """Behind slow cameras the map ends a fixed time after their last row, in whatever order they come; and a row that
+    waits for them does not count as stalled."""
+    rng = random.Random(cocotb.RANDOM_SEED)
+    job = {**EASY, "live": 1}
+    for late in (0, 1):
+        requests = [Request(slot, 12, (120, 120), 400 + 60 * (slot == late)) for slot in (0, 1)]
+        start = Start(job, _planes(rng, (20, 12), job), (20, 12), requests=(requests[0], requests[1]))
+        traffic = DenseBlockTraffic([start], TINY_DENSE, rng)
+        await drive(dut, DenseBlockModel.INPUTS, DenseBlockModel.OUTPUTS, traffic.stimulus())
+        _check(traffic)
+        outcome = traffic.outcomes[0]
+        last = 460 + 7 + 12 * 121
+        assert outcome.status == OK and outcome.stalls == 0
+        assert last < outcome.clocks < last + LIVE_END, (outcome.clocks, last)
+
+
+LIVE_END = 20 + 3 * BUILD.offsets + 49 + 24
+"""Clocks from the camera's last row to the end of a pass 20 columns wide."""
 
 
 @cocotb.test()

@@ -11,7 +11,7 @@ from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
 from golden.cycle.dense.dense_pass import DensePassModel
 from golden.cycle.dense.room import DenseRoomModel
-from golden.cycle.dense.structs import CANCELLED, DENSE_JOB
+from golden.cycle.dense.structs import CANCELLED, DENSE_JOB, LOST, OK
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.params import TINY_DENSE
 from golden.traffic.dense_block import any_job, pack_start
@@ -21,29 +21,41 @@ from sim.testbench.runner import simulate
 
 STARTS = 60
 CLOCKS = 4000
+ENDS = {"all rows, cancelled", "all rows, lost", "rows missing, lost"}
+"""Ends of live passes that must be met."""
+PATIENCE = 400
+"""Clocks without a row after which a host cancels: what a row or an end waits for may never come."""
 
 
 def _enough(seen: Mapping[str, int]) -> bool:
     """Whether every end has been seen, and stalls, rows and tails often."""
     return (min(seen.get(name, 0) for name in ("stall_o", "row_o", "tail_o")) > 5
-            and {f"status {n}" for n in (0, 1, 4, CANCELLED)} <= seen.keys())
+            and {f"status {n}" for n in (0, 1, 4, CANCELLED, LOST)} | ENDS <= seen.keys())
 
 
 def _host(rng: random.Random, seen: Mapping[str, int]) -> Stimulus:
-    """Starts and cancels at any time; plan, feed, room and sink answer after any time; a reset now and then."""
+    """Starts and cancels at any time; plan, feed, room, frames and sink answer after any time; a reset now and then."""
     for number in lasting(STARTS, 10 * STARTS, lambda: _enough(seen)):
         job = {**any_job(rng, TINY_DENSE, 48), "step_y": rng.choice((1, 1, 2, 3, 5, 255))}
         room, height, words = ready_pattern(rng.choice(SHAPES), rng), rng.randint(8, 20), rng.randint(1, 48)
         status, planned, cancel = rng.choice((0, 0, 0, 1, 4)), rng.randint(3, 20), rng.choice((0.0, 0.0, 0.005, 0.05))
         quiet, reset = 0, rng.randint(1, 300) if number % 16 == 9 else -1
+        there = ready_pattern(rng.choice(SHAPES), rng)
+        # When both frames are whole, and when one is lost; a pass over frames that are there waits for none.
+        whole = rng.choice((0, 0, rng.randint(1, 300), 10 * PATIENCE))
+        lost = rng.randint(1, 300) if whole and rng.random() < 0.4 else 10 * PATIENCE
         out = yield {"start_i": 1, "job_i": pack_start(job), "image_width_i": 48, "image_height_i": height,
                      "cancel_i": rng.getrandbits(1)}
         clock = 0
         while not out["done_o"] and clock != reset:
             clock += 1
             quiet = 0 if out["row_o"] or out["reserve_o"] else quiet + 1
-            out = yield {"start_i": int(rng.random() < 0.1), "job_i": rng.getrandbits(DENSE_JOB.bits),
-                         "image_width_i": rng.getrandbits(10), "cancel_i": int(rng.random() < cancel),
+            now = clock >= min(whole, lost)
+            ends = {"whole_i": int(now and whole <= lost), "lost_i": int(now and lost < whole),
+                    "there_i": int(next(there) or whole == 0 or now), "keep_i": rng.getrandbits(2)}
+            stop = rng.random() < cancel or quiet > PATIENCE
+            out = yield {**ends, "start_i": int(rng.random() < 0.1), "job_i": rng.getrandbits(DENSE_JOB.bits),
+                         "image_width_i": rng.getrandbits(10), "cancel_i": int(stop),
                          "planned_i": int(clock == planned), "status_i": status, "pitch_i": 9 + number % 3,
                          "row_words_i": words, "feed_busy_i": int(quiet < 20), "room_i": next(room),
                          "empty_i": int(quiet > 2 and rng.random() < 0.2)}
@@ -79,6 +91,11 @@ async def every_clock(dut) -> None:
             seen[name] = seen.get(name, 0) + (out.get(name) or 0)
         if out.get("done_o"):
             seen[f"status {out['status_o']}"] = 1
+            missing = "rows missing" if seen.get("tails") else "all rows"
+            named = {CANCELLED: "cancelled", LOST: "lost", OK: "good"}
+            seen[f"{missing}, {named.get(out['status_o'], 'refused')}"] = 1
+            seen["tails"] = 0
+        seen["tails"] = seen.get("tails", 0) + (out.get("tail_o") or 0)
 
     if dut._name == "slog_dense_room":
         await check_cycles(dut, DenseRoomModel(params()["Depth"]), _words(rng), watch)

@@ -32,15 +32,18 @@ def _starts(rng: random.Random, jobs: list[dict[str, int]], seen: list[int]) -> 
         size = rng.randint(34, 640), rng.choice((16, 34, 480, rng.randint(34, 480)))
         job = (bad_job if number % 3 == 0 else any_job)(rng, DENSE, size[0])
         jobs.append(job)
+        job["live"] = rng.getrandbits(1)
+        here = rng.choice((3, 3, rng.getrandbits(2)))
         held = {"job_i": pack_start(job), "image_width_i": size[0], "image_height_i": size[1]}
         valid = rng.choice((7, 7, 255, rng.getrandbits(8)))
         out = yield {**held, "start_i": 1, "slot_valid_i": valid}
         cut = rng.randint(1, 20) if number % 10 == 9 else -1
+        out = yield {**held, "slot_valid_i": rng.getrandbits(8), "here_i": rng.getrandbits(2)}
         while not out["done_o"] and cut:
-            out = yield {**held, "slot_valid_i": rng.getrandbits(8)}
+            out = yield {**held, "slot_valid_i": rng.getrandbits(8), "here_i": here}
             cut -= 1
         for _ in range(rng.choice((0, 1, 5))):
-            yield {**held, "slot_valid_i": rng.getrandbits(8)}
+            yield {**held, "slot_valid_i": rng.getrandbits(8), "here_i": here}
         if not out["done_o"]:
             yield {**held, "rst_i": 1}
         for _ in range(rng.choice((0, 1, 3))):

@@ -21,7 +21,7 @@ class DenseHost(Host):
         """Write a pass' registers; `raw` has values that a job refuses: `window`, `offsets`."""
         one = job.search
         yield from self.write("dense.planes", left=job.left, right=job.right, window=raw.get("window", one.window),
-                              check=int(job.check))
+                              check=int(job.check), live=int(job.live))
         yield from self.write("dense.search", offsets=raw.get("offsets", one.offsets), start=one.start)
         yield from self.write("dense.vertical", down=one.down, step_x=job.step[0], step_y=job.step[1])
         yield from self.write("dense.limits", most=job.most, margin=job.margin)

@@ -61,7 +61,8 @@ class DenseBoardModel(CamerasModel):
         work = self._work({
             "rst_i": rst, **{f"{name}_i": asked[f"{name}_o"] for name in ("start", "job", "cancel")},
             "image_width_i": commands["width_o"], "image_height_i": commands["height_o"],
-            "slot_valid_i": capture["slot_valid_o"] or 0, "rd_data_i": self.store.data or 0,
+            "slot_valid_i": capture["slot_valid_o"] or 0, "progress_i": capture["progress_o"] or 0,
+            "clear_i": commands["slots_clear_o"], "rd_data_i": self.store.data or 0,
             "map_tready_i": i["map_tready_i"]})
         store = self._keep(rst, control, capture, work)
         jobless = dict.fromkeys(("job_ready_i", "job_level_i", "job_busy_i", "result_valid_i", "result_level_i",

@@ -10,18 +10,20 @@ from __future__ import annotations
 import random
 from collections import deque
 from collections.abc import Generator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from golden.correlate import Plane
 from golden.cycle.bits import or_zero
 from golden.cycle.dense.out import map_word
 from golden.cycle.dense.plan import DenseBuild
-from golden.cycle.dense.structs import CANCELLED, DENSE_JOB, MAP, NO_SUM, NOTHING
+from golden.cycle.dense.structs import CANCELLED, DENSE_JOB, LOST, MAP, NO_SUM, NOTHING
 from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.cycle.store.capture_channel import PROGRESS
 from golden.cycle.store.store import STORE_LATENCY
 from golden.dense import DensePass, dense
 from golden.dense_job import STEP_MAX, DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.params import Config
+from golden.traffic.live import Arrivals, Request
 from golden.traffic.stalls import ready_pattern
 from golden.traffic.store import plane_words
 
@@ -46,6 +48,11 @@ class Start:
         cancel: clocks after the start in which a cancel comes; None: none comes.
         reset: clocks after the start in which a reset ends everything; None: none does.
         sink: shape of the sink's stalls.
+        requests: of the cameras, of a live job: `planes` has the frames that they get, and `old` what their slots hold
+            before, if anything.
+        old: as `planes`.
+        before: clocks for which the cameras run before the start.
+        clear: clocks after the start in which the image's size changes; None: it does not.
     """
 
     job: Mapping[str, int]
@@ -54,17 +61,23 @@ class Start:
     cancel: int | None = None
     reset: int | None = None
     sink: str = "none"
+    requests: tuple[Request | None, Request | None] = (None, None)
+    old: Mapping[int, Plane] = field(default_factory=dict)
+    before: int = 0
+    clear: int | None = None
 
 
 @dataclass
 class PassOutcome:
-    """What came of a start: map words with their first and last flags, status, clocks, and pulses counted."""
+    """What came of a start: map words with their first and last flags, status, clocks, and pulses counted; of a live
+    pass also the frames that it is of, by slot."""
 
     words: list[tuple[int, int, int]] = field(default_factory=list)
     status: int = -1
     clocks: int = 0
     rows: int = 0
     stalls: int = 0
+    planes: Mapping[int, Plane] | None = None
 
 
 def pack_start(job: Mapping[str, int]) -> int:
@@ -102,14 +115,19 @@ def verify(start: Start, outcome: PassOutcome, config: Config) -> bool:
     Raises:
         AssertionError: if anything is not as the frame level has it.
     """
+    if outcome.planes is not None:
+        start = replace(start, planes=outcome.planes)
     status, rows = expected(start, config)
-    early = outcome.status == CANCELLED
     sent = (len(rows) - 1) * start.job["step_y"] + 1 if rows else 0
+    early = outcome.status in (CANCELLED, LOST) and outcome.rows < sent
+    if outcome.status in (CANCELLED, LOST):
+        assert status is DenseStatus.OK
+        assert early or (start.job["live"] and outcome.rows == sent), start
+        assert start.job["live"] if outcome.status == LOST else start.cancel is not None, start
     if early:
-        assert start.cancel is not None and outcome.rows < sent, start
         rows = [*rows[:-(-outcome.rows // start.job["step_y"])], [map_word(NOTHING, 0, 0, 0)]]
     else:
-        assert outcome.status == status, (start.job, outcome.status, status)
+        assert outcome.status in (status, CANCELLED, LOST), (start.job, outcome.status, status)
         assert outcome.rows == sent, (start.job, outcome.rows, sent)
     wanted = [word for row in rows for word in row]
     flags = [(int(n == 0), int(n == len(wanted) - 1)) for n in range(len(wanted))]
@@ -175,6 +193,7 @@ class DenseBlockTraffic:
     def __post_init__(self) -> None:
         self.flight: deque[int | None] = deque([None] * STORE_LATENCY)
         self.memory: list[int] = []
+        self.cameras: Arrivals | None = None
 
     def stimulus(self) -> Stimulus:
         """Every start in turn, and a few clocks after it."""
@@ -185,38 +204,58 @@ class DenseBlockTraffic:
             first = {"start_i": 1, "job_i": pack_start(start.job), "image_width_i": start.size[0],
                      "image_height_i": start.size[1], "slot_valid_i": valid}
             sink, at, done = ready_pattern(start.sink, self.rng), 0, False
+            for _ in range(start.before):
+                yield from self._clock({**self._noise(), "start_i": 0})
             while not done:
                 now: Inputs = {**self._noise(), **(first if at == 0 else {"slot_valid_i": valid} if at == 2 else {}),
                                "map_tready_i": next(sink), "cancel_i": int(at == start.cancel),
-                               "rst_i": int(at == start.reset)}
+                               "rst_i": int(at == start.reset), "clear_i": int(at == start.clear)}
+                if self.cameras and at == 1:
+                    outcome.planes = {} if start.clear == 1 else self.cameras.searched()
                 out = yield from self._clock(now)
                 self.pushed += at > 0 and now["start_i"]
                 self._observe(outcome, now, out)
                 done = bool(or_zero(out["done_o"])) or now["rst_i"] == 1
                 at += 1
-                assert at < LONGEST, f"hangs: {start.job}"
+                assert at < LONGEST, f"hangs: {start}"
             for _ in range(self.rng.choice((0, 0, 1, 9))):
                 yield from self._clock({**self._noise(), "start_i": 0})
 
     def _clock(self, now: Inputs) -> Generator[Inputs, Outputs, Outputs]:
         """A clock with the store's answer; returns what the block shows."""
         word = self.flight.popleft()
+        if self.cameras:
+            now = {**now, "progress_i": self.cameras.progress(), "slot_valid_i": self.cameras.valid}
         out = yield {**now, "rd_data_i": self.rng.getrandbits(self.config.group_bits) if word is None else word}
         self.flight.append(self.memory[or_zero(out["rd_addr_o"])] if or_zero(out["rd_valid_o"]) else None)
+        if self.cameras:
+            self.cameras.step(or_zero(out["slot_busy_o"]))
         return out
 
     def _fill(self, start: Start) -> None:
         """Put the start's planes into the store, and anything elsewhere."""
         bits, words = self.config.group_bits, self.config.slot_words
         self.memory = [self.rng.getrandbits(bits) for _ in range(self.config.store_words)]
-        for slot, plane in start.planes.items():
+        asked = {one.slot for one in start.requests if one}
+        held = {slot: plane for slot, plane in start.planes.items() if slot not in asked} | dict(start.old)
+        for slot, plane in held.items():
             self.memory[slot * words:(slot + 1) * words] = plane_words(plane, self.config)
+        self.cameras = None
+        if start.job["live"]:
+            others = {slot: 1 - plane for slot, plane in start.planes.items()}
+            self.cameras = Arrivals(start.requests, start.planes, others, held, self._write, self.rng)
+
+    def _write(self, slot: int, row: int, plane: Plane) -> None:
+        """Write a row of a plane into a slot."""
+        per, begin = self.config.words_per_row, slot * self.config.slot_words + row * self.config.words_per_row
+        self.memory[begin:begin + per] = plane_words(plane, self.config)[row * per:(row + 1) * per]
 
     def _noise(self) -> Inputs:
         """Ports of a clock in which none of them counts."""
         return {"rst_i": 0, "cancel_i": 0, "start_i": int(self.rng.random() < 0.02),
                 "job_i": self.rng.getrandbits(DENSE_JOB.bits), "image_width_i": self.rng.getrandbits(10),
                 "image_height_i": self.rng.getrandbits(10), "slot_valid_i": self.rng.getrandbits(8),
+                "progress_i": self.rng.getrandbits(2 * PROGRESS.bits), "clear_i": int(self.rng.random() < 0.02),
                 "map_tready_i": self.rng.getrandbits(1)}
 
     @staticmethod

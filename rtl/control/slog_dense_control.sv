@@ -99,7 +99,7 @@ module slog_dense_control
       most: hwif_out.dense.limits.most.value,
       margin: hwif_out.dense.limits.margin.value,
       check: hwif_out.dense.planes.check.value,
-      live: 1'b0
+      live: hwif_out.dense.planes.live.value
   };
 
   // The registers show values one clock late.

@@ -6,7 +6,7 @@
 // step_y-th row, in raster order.
 //
 // Stage  registers
-//   1    slog_dense_pass with slog_dense_plan, slog_dense_room: job, rows, room
+//   1    slog_dense_pass with slog_dense_plan, slog_dense_live, slog_dense_room: job, rows, room
 //   2    slog_dense_feed: store to columns
 //   3    slog_dense_engine: 2 * Offsets + 6 clocks
 //   4    slog_dense_check: Offsets + 8
@@ -18,7 +18,14 @@
 //              way, so no word is lost. With a sink that is always ready a row's places are taken for image_width + 3 *
 //              Offsets + 51 + plan_t.left_delay clocks at most: none waits if OutDepth holds the words of that time.
 // Rules      : start_i counts while busy_o is low; job and image size are taken over with it. image_width_i is 2 * Lanes or
-//              more. A slot in slot_busy_o is not written. rd_data_i is StoreLatency clocks after rd_valid_o.
+//              more. No frame begins to be written into a slot in slot_busy_o. rd_data_i is StoreLatency clocks after
+//              rd_valid_o. progress_i and clear_i: as slog_dense_live has them.
+// Live       : the slots of a live job may have requests that captures serve, or will: then the pass is of the frame that the
+//              request gets, and a row starts when those of both planes that it needs are in the store: row y of the left
+//              one, y - down of the right one where the plane has it. Such a slot is not in slot_busy_o until its frame is
+//              being written, so the request goes on; a slot without one holds its frame, and is as in any pass. Both frames
+//              become whole, or the pass ends as by a cancel with DenseLost: when a frame is aborted, a request cancelled
+//              or moved, or the image's size changed. It ends with DenseOk only when both are whole.
 // Cancel     : no row is started any more; the words under way are followed by one in which nothing is found, with
 //              map_tlast_o. If the last row that has words had begun, the map is whole and the status DenseOk.
 // Refusal    : done_o with the status, and no word.
@@ -28,6 +35,7 @@
 `include "slog_assert.svh"
 module slog_dense
   import slog_dense_pkg::*;
+  import slog_store_pkg::*;
 #(
     parameter  int unsigned Width       = 64,
     parameter  int unsigned MaxWidth    = 640,
@@ -39,6 +47,7 @@ module slog_dense
     parameter  int unsigned MaxWindow   = 32,
     parameter  int unsigned Sizes       = 3,
     parameter  int unsigned OutDepth    = 2048,
+    parameter  int unsigned Cameras     = 2,
     localparam int unsigned AddrW       = $clog2(Slots * MaxHeight * WordsPerRow)
 ) (
     input  logic                   clk_i,
@@ -49,6 +58,8 @@ module slog_dense
     input  logic       [      9:0] image_width_i,
     input  logic       [      9:0] image_height_i,
     input  logic       [      7:0] slot_valid_i,
+    input  progress_t [Cameras-1:0] progress_i,
+    input  logic                   clear_i,       // pulse in the first clock of another image size
     output logic       [      7:0] slot_busy_o,
     output logic                   rd_valid_o,
     output logic       [AddrW-1:0] rd_addr_o,
@@ -67,13 +78,12 @@ module slog_dense
   localparam int unsigned ShrinkW = (Sizes > 1) ? $clog2(Sizes) : 1;
   localparam int unsigned Flush   = 3 * Offsets + MaxWindow + 8;
 
-  // live has no use yet.
-  /* verilator lint_off UNUSEDSIGNAL */
   dense_job_t job;
   plan_t plan;
-  /* verilator lint_on UNUSEDSIGNAL */
   logic [9:0] width, height, words;
   logic plan_start, planned, pass_begin, flush, clear, row, feed_busy, reserve, room, empty, taken, tail;
+  logic reading, there, whole, lost;
+  logic [1:0] here, keep;
   dense_status_e plan_status;
 
   slog_dense_pass #(
@@ -102,6 +112,11 @@ module slog_dense
       .feed_busy_i   (feed_busy),
       .words_o       (words),
       .reserve_o     (reserve),
+      .reading_o     (reading),
+      .keep_i        (keep),
+      .there_i       (there),
+      .whole_i       (whole),
+      .lost_i        (lost),
       .room_i        (room),
       .empty_i       (empty),
       .tail_o        (tail),
@@ -129,9 +144,32 @@ module slog_dense
       .image_width_i (width),
       .image_height_i(height),
       .slot_valid_i,
+      .here_i        (here),
       .done_o        (planned),
       .status_o      (plan_status),
       .plan_o        (plan)
+  );
+
+  slog_dense_live #(
+      .Cameras(Cameras)
+  ) u_live (
+      .clk_i,
+      .rst_i,
+      .begin_i     (plan_start),
+      .reading_i   (reading),
+      .live_i      (job.live),
+      .left_slot_i (job.left_slot),
+      .right_slot_i(job.right_slot),
+      .down_i      (job.down),
+      .row_i       (row),
+      .progress_i,
+      .slot_valid_i,
+      .clear_i,
+      .here_o      (here),
+      .keep_o      (keep),
+      .there_o     (there),
+      .whole_o     (whole),
+      .lost_o      (lost)
   );
 
   slog_dense_room #(

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Leads the dense engine through a pass: check, flush, rows as there is room for their words, the end.
 //
-// Sequence of a start: take the job -> mark the slots -> slog_dense_plan -> flush -> rows -> wait for the last row's feed,
-// which frees the slots -> wait until the sink has taken every word -> done. A refused job is done after the plan. Rows
-// after the last one that has words are not sent. After a cancel no row is started any more; when all words of those under
-// way have been taken, one word more ends the map (tail_o), unless the last row was already under way.
+// Sequence of a start: take the job -> mark the slots -> slog_dense_plan -> flush -> rows -> wait for the last row's feed and
+// for the frames to be whole, which frees the slots -> wait until the sink has taken every word -> done. A refused job is done
+// after the plan. Rows after the last one that has words are not sent. After a cancel, or when a frame of a live pass is lost,
+// no row is started any more, and nothing is waited for but the feed; when all words of the rows under way have been taken,
+// one word more ends the map (tail_o), unless the last row was already under way.
+//
+//   status = lost ? DenseLost : rows are missing || a frame is not whole ? DenseCancelled : DenseOk, when the slots are freed
 //
 //   clock  registers
 //   0      start_i, with the job and the image's size
@@ -16,8 +19,10 @@
 // Rules      : pitch_i is 8 or more, and constant from begin_o on. feed_busy_i is high pitch_i - 1 clocks after row_o at the
 //              latest, until the row's last word has been read. start_i counts while busy_o is low. job_o and the image's
 //              size stay until the next start.
+//              there_i is of the next row from 4 clocks after row_o on, whole_i and lost_i are of slog_dense_live.
 // Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could
-//              start but for the room.
+//              start but for the room: a clock in which it waits for its planes' rows is none. slot_busy_o: the planes'
+//              slots while reading_o is high, each where keep_i says so.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_pass
@@ -49,6 +54,11 @@ module slog_dense_pass
     input  logic                feed_busy_i,
     output logic          [9:0] words_o,       // slog_dense_room: of the next row
     output logic                reserve_o,
+    output logic                reading_o,     // from plan_o on, until nothing is read any more
+    input  logic          [1:0] keep_i,        // slog_dense_live: of the left, the right plane
+    input  logic                there_i,       // the next row's planes
+    input  logic                whole_i,
+    input  logic                lost_i,
     input  logic                room_i,
     input  logic                empty_i,
     output logic                tail_o,
@@ -65,7 +75,7 @@ module slog_dense_pass
   dense_job_t came_q, job_q;           // job_i in the clock before: it comes from afar; of the last start
   logic [9:0] width_came_q, height_came_q, width_q, height_q;
   dense_status_e status_q;
-  logic cancel_q, early_q;             // a cancel came; it ends the map early
+  logic quit_q, early_q;               // a cancel came, or a frame is lost; it ends the map early
   logic [FlushW-1:0] flush_left_q;
   logic flushed_q;                     // flush_left_q is 0
   logic [11:0] again_q;                // wait_q after a row
@@ -81,11 +91,14 @@ module slog_dense_pass
   logic reading_q;                     // the job's slots are marked: in the states from mark to drain
   logic [9:0] words_q;
   logic whole_q;                       // !tail_q, for the way to the map
-  logic row_q, reserve_q, tail_out_q, tail_out_q2, begin_q, stall_q, clear_q, ready, stop, ended, refused;
-  logic [7:0] slots_q, slot_busy_q;    // of the job; and those that are marked
+  logic row_q, reserve_q, tail_out_q, tail_out_q2, begin_q, stall_q, clear_q, ready, go, stop, freed, ended, refused;
+  logic [1:0][7:0] slots_q;            // of the job: left, right
+  logic [7:0] slot_busy_q;             // those that are marked
 
-  assign stop    = rows_q && due_q && (!more_q || cancel_q);
-  assign ready   = rows_q && due_q && more_q && !cancel_q;
+  assign stop    = rows_q && due_q && (!more_q || quit_q);
+  assign ready   = rows_q && due_q && more_q && !quit_q;
+  assign go      = ready && room_i && there_i;
+  assign freed   = drain_q && !feed_busy_q && (whole_i || quit_q);
   assign refused = planned_q && bad_q;
   assign ended   = empty_q && empty_i;
 
@@ -117,28 +130,28 @@ module slog_dense_pass
     end else begin
       idle_q      <= (idle_q && !start_i) || over_q;
       held_q      <= !(idle_q || over_q);
-      reading_q   <= take_q || (reading_q && !refused && !(drain_q && !feed_busy_q));
+      reading_q   <= take_q || (reading_q && !refused && !freed);
       planned_q   <= planned_i && plan_q && !planned_q;
       take_q      <= idle_q && start_i;
       mark_q      <= take_q;
       plan_q      <= mark_q || (plan_q && !planned_q);
       flush_q     <= (planned_q && !bad_q) || (flush_q && !flushed_q);
       rows_q      <= (flush_q && flushed_q) || (rows_q && !stop);
-      drain_q     <= stop || (drain_q && feed_busy_q);
-      empty_q     <= (drain_q && !feed_busy_q) || tail_q || (empty_q && !ended);
+      drain_q     <= stop || (drain_q && !freed);
+      empty_q     <= freed || tail_q || (empty_q && !ended);
       tail_q      <= ended && early_q;
       over_q      <= refused || (ended && !early_q);
       begin_q     <= planned_q && !bad_q;
-      row_q       <= ready && room_i;
-      reserve_q   <= (ready && room_i && has_q) || (ended && early_q);
+      row_q       <= go;
+      reserve_q   <= (go && has_q) || (ended && early_q);
       whole_q     <= !(ended && early_q);
       tail_out_q  <= !whole_q;
       tail_out_q2 <= tail_out_q;
-      stall_q     <= ready && !room_i;
+      stall_q     <= ready && there_i && !room_i;
       clear_q     <= !(rows_q || drain_q || empty_q || tail_q);
-      slot_busy_q <= slots_q & {8{reading_q}};
+      slot_busy_q <= ((slots_q[0] & {8{keep_i[0]}}) | (slots_q[1] & {8{keep_i[1]}})) & {8{reading_q}};
       if (planned_q) status_q <= plan_status_q;
-      else if (tail_q) status_q <= DenseCancelled;
+      else if (freed) status_q <= lost_i ? DenseLost : early_q || !whole_i ? DenseCancelled : DenseOk;
     end
   end
 
@@ -152,7 +165,10 @@ module slog_dense_pass
     height_came_q <= image_height_i;
     if (!held_q) begin
       job_q    <= came_q;
-      for (int unsigned s = 0; s < 8; s++) slots_q[s] <= came_q.left_slot == 3'(s) || came_q.right_slot == 3'(s);
+      for (int unsigned s = 0; s < 8; s++) begin
+        slots_q[0][s] <= came_q.left_slot == 3'(s);
+        slots_q[1][s] <= came_q.right_slot == 3'(s);
+      end
       width_q  <= width_came_q;
       height_q <= height_came_q;
       early_q  <= 1'b0;
@@ -161,12 +177,12 @@ module slog_dense_pass
     end else if (tail_q) begin
       early_q  <= 1'b0;
     end
-    cancel_q     <= !idle_q && (cancel_q || cancel_i);
+    quit_q       <= !idle_q && (quit_q || cancel_i || lost_i);
     flush_left_q <= flush_q ? flush_left_q - 1'b1 : FlushW'(Flush - 1);
     flushed_q    <= flush_q && 32'(flush_left_q) == 1;
     again_q      <= 12'(pitch_i) - 12'd4;
     wait_q       <= row_q ? again_q : wait_q - 1'b1;
-    due_q        <= flush_q || (due_q ? !(ready && room_i) : !row_q && wait_q[11]);
+    due_q        <= flush_q || (due_q ? !go : !row_q && wait_q[11]);
     if (flush_q) begin
       rows_left_q <= height_q;
       gap_q       <= '0;
@@ -189,6 +205,7 @@ module slog_dense_pass
   assign row_o          = row_q;
   assign words_o        = words_q;
   assign reserve_o      = reserve_q;
+  assign reading_o      = reading_q;
   assign tail_o         = tail_out_q2;
   assign busy_o         = !idle_q;
   assign done_o         = over_q;

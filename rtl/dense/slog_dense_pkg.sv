@@ -59,17 +59,19 @@ package slog_dense_pkg;
     sum_t               most;       // valid: best is at most this,
     sum_t               margin;     // rest exceeds it by this at least,
     logic               check;      // and the right plane's own winner agrees
-    logic               live;       // reserved: 0
+    logic               live;       // the slots may be those of captures under way: each row waits for theirs
   } dense_job_t;
 
-  // Outcome of a pass: Ok, or the first reason for refusal in this order, or cancelled.
+  // Outcome of a pass: Ok, or the first reason for refusal in this order, or ended early. Where it is DenseOk, the map is that
+  // of the frames that the slots hold.
   typedef enum logic [2:0] {
     DenseOk         = 3'd0,
     DenseBadWindow  = 3'd1,  // not a built size, or larger than the image in a direction
     DenseBadOffsets = 3'd2,  // none, or more than built
-    DenseBadSlot    = 3'd3,  // slot not on this board, or holds no frame
+    DenseBadSlot    = 3'd3,  // slot not on this board, or without a frame and, in a live pass, without a request for one
     DenseBadStep    = 3'd4,  // a step of 0
-    DenseCancelled  = 3'd5   // the map ended early
+    DenseCancelled  = 3'd5,  // the map ended early, or a frame of a live pass was not whole when the pass ended
+    DenseLost       = 3'd6   // a frame of a live pass did not become whole: the map is not to be used
   } dense_status_e;
 
   // A word of the map: one pixel. Sums as in winner_t, Absent among them.

@@ -15,6 +15,7 @@
 // Clocks     : as many as the map has words in a row, or as down has rows, 8 at least, and 3.
 // Latency    : done_o is high in that clock after start_i; plan_o and status_o are valid from it on, while job_i is stable.
 // Throughput : one job at a time. The plan of a refused job is undefined.
+// Rules      : of a live job here_i counts instead of slot_valid_i: from 2 clocks after start_i to done_o.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_plan
@@ -33,13 +34,14 @@ module slog_dense_plan
     input  logic                clk_i,
     input  logic                rst_i,
     input  logic                start_i,
-    // Neither the limits of what is valid nor what is reserved matter here.
+    // The limits of what is valid do not matter here.
     /* verilator lint_off UNUSEDSIGNAL */
     input  dense_job_t          job_i,
     /* verilator lint_on UNUSEDSIGNAL */
     input  logic          [9:0] image_width_i,
     input  logic          [9:0] image_height_i,
     input  logic          [7:0] slot_valid_i,
+    input  logic          [1:0] here_i,        // of a live job: the left, the right slot holds a frame or will
     output logic                done_o,
     output dense_status_e       status_o,
     output plan_t               plan_o
@@ -72,8 +74,8 @@ module slog_dense_plan
     if (start_i) slot_valid_q <= slot_valid_i;
     left_slot_q  <= job_i.left_slot;
     right_slot_q <= job_i.right_slot;
-    left_q       <= 32'(left_slot_q) < Slots && slot_valid_q[left_slot_q];
-    right_q      <= 32'(right_slot_q) < Slots && slot_valid_q[right_slot_q];
+    left_q       <= 32'(left_slot_q) < Slots && (job_i.live ? here_i[0] : slot_valid_q[left_slot_q]);
+    right_q      <= 32'(right_slot_q) < Slots && (job_i.live ? here_i[1] : slot_valid_q[right_slot_q]);
     step_q       <= job_i.step_x != '0 && job_i.step_y != '0;
     status_q     <= size_q == '0 || wide_q || tall_q ? DenseBadWindow :
                     none_q || many_q ? DenseBadOffsets :

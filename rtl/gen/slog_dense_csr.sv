@@ -125,6 +125,10 @@ module slog_dense_csr (
                     logic next;
                     logic load_next;
                 } check;
+                struct {
+                    logic next;
+                    logic load_next;
+                } live;
             } planes;
             struct {
                 struct {
@@ -209,6 +213,9 @@ module slog_dense_csr (
                 struct {
                     logic value;
                 } check;
+                struct {
+                    logic value;
+                } live;
             } planes;
             struct {
                 struct {
@@ -357,6 +364,29 @@ module slog_dense_csr (
         end
     end
     assign hwif_out.dense.planes.check.value = field_storage.dense.planes.check.value;
+    // Field: slog_dense_csr.dense.planes.live
+    always_comb begin
+        automatic logic [0:0] next_c;
+        automatic logic load_next_c;
+        next_c = field_storage.dense.planes.live.value;
+        load_next_c = '0;
+        if(decoded_reg_strb.dense.planes && decoded_req_is_wr) begin // SW write
+            next_c = (field_storage.dense.planes.live.value & ~decoded_wr_biten[18:18]) | (decoded_wr_data[18:18] & decoded_wr_biten[18:18]);
+            load_next_c = '1;
+        end
+        field_combo.dense.planes.live.next = next_c;
+        field_combo.dense.planes.live.load_next = load_next_c;
+    end
+    always_ff @(posedge clk) begin
+        if(rst) begin
+            field_storage.dense.planes.live.value <= 1'h0;
+        end else begin
+            if(field_combo.dense.planes.live.load_next) begin
+                field_storage.dense.planes.live.value <= field_combo.dense.planes.live.next;
+            end
+        end
+    end
+    assign hwif_out.dense.planes.live.value = field_storage.dense.planes.live.value;
     // Field: slog_dense_csr.dense.search.offsets
     always_comb begin
         automatic logic [8:0] next_c;
@@ -696,6 +726,7 @@ module slog_dense_csr (
                 readback_data_var[6:4] = field_storage.dense.planes.right.value;
                 readback_data_var[13:8] = field_storage.dense.planes.window.value;
                 readback_data_var[17] = field_storage.dense.planes.check.value;
+                readback_data_var[18] = field_storage.dense.planes.live.value;
             end
             if(rd_mux_addr == 8'hd8) begin
                 readback_data_var[8:0] = field_storage.dense.search.offsets.value;

@@ -102,10 +102,15 @@ package slog_dense_csr_pkg;
     } slog_dense_csr__dense__planes__check__out_t;
 
     typedef struct {
+        logic value;
+    } slog_dense_csr__dense__planes__live__out_t;
+
+    typedef struct {
         slog_dense_csr__dense__planes__left__out_t left;
         slog_dense_csr__dense__planes__right__out_t right;
         slog_dense_csr__dense__planes__window__out_t window;
         slog_dense_csr__dense__planes__check__out_t check;
+        slog_dense_csr__dense__planes__live__out_t live;
     } slog_dense_csr__dense__planes__out_t;
 
     typedef struct {

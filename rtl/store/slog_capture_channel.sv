@@ -207,7 +207,6 @@ module slog_capture_channel
 
   `SLOG_ASSERT(SlogCaptureLevel, $onehot(level_q))
   `SLOG_ASSERT(SlogCaptureDone, !finish_q || finishing_q)
-  `SLOG_ASSERT(SlogCaptureRows, rows_q <= pushed_q)
   `SLOG_ASSERT(SlogCaptureRoom, !push_q || !level_q[Depth])
   `SLOG_ASSERT(SlogCaptureWaits, !pop_i || !level_q[0])
   `SLOG_ASSERT(SlogCaptureNoEarlyWord, !(checking_q || (writing_q && load_q)) || !word_q)

@@ -3,17 +3,22 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import numpy.typing as npt
 
 from golden.dense import ABSENT, Counts
 from golden.dense_job import DenseJob, DenseResult, DenseStatus
+from golden.log import Image
 from sim.board.device import Device, DeviceError
 
 Words = npt.NDArray[np.uint64]
 """Words of a map: `map_t` of `rtl/dense/slog_dense_pkg.sv`."""
 CANCELLED = 5
-"""Status of a pass that ended early."""
+"""Status of a pass that was cancelled before its end."""
+LOST = 6
+"""Status of a live pass of which a frame did not become whole."""
 NO_SUM = 2047
 """In a word: no offset counts there."""
 _SUMS, _INDEX, _FLAGS = (33, 22, 11, 0), 44, (52, 53, 54)
@@ -64,7 +69,8 @@ class DenseEngine:
     def load(self, job: DenseJob) -> None:
         """Write the registers of a job; the pass under way, if there is one, keeps its own."""
         d, search = self.device, job.search
-        d.write("dense.planes", left=job.left, right=job.right, window=search.window, check=int(job.check))
+        d.write("dense.planes", left=job.left, right=job.right, window=search.window, check=int(job.check),
+                live=int(job.live))
         d.write("dense.search", offsets=search.offsets, start=search.start)
         d.write("dense.vertical", down=search.down, step_x=job.step[0], step_y=job.step[1])
         d.write("dense.limits", most=job.most, margin=job.margin)
@@ -84,7 +90,7 @@ class DenseEngine:
 
     @property
     def status(self) -> int:
-        """Status of the last pass: a `DenseStatus`, or CANCELLED."""
+        """Status of the last pass: a `DenseStatus`, CANCELLED or LOST."""
         return self.device.read("dense.run.status")
 
     def run(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
@@ -101,7 +107,7 @@ class DenseEngine:
         """Wait for the pass of `job`, which was started.
 
         Raises:
-            DeviceError: if the map does not arrive whole.
+            DeviceError: if the map does not arrive whole, or a frame of a live pass was lost.
         """
         d = self.device
         while self.busy and not d.stream_waiting:  # whether it is refused shows after some clocks
@@ -110,8 +116,60 @@ class DenseEngine:
             return DenseStatus(self.status), None
         shape = map_shape(d.size, job.step)
         words = d.map_words(shape[0] * shape[1])
-        if len(words) != shape[0] * shape[1]:
-            raise DeviceError(f"map: {len(words)} of {shape[0] * shape[1]} words, status {self.status}")
         while self.busy:
             pass
+        if self.status == LOST:
+            raise DeviceError("a frame of the live pass was lost")
+        if len(words) != shape[0] * shape[1]:
+            raise DeviceError(f"map: {len(words)} of {shape[0] * shape[1]} words, status {self.status}")
         return DenseStatus(self.status), unpack_map(words, shape)
+
+    def run_live(self, job: DenseJob, frames: tuple[Image, Image], pause: float = 0.0, seed: int = 1,
+                 ) -> tuple[DenseStatus, DenseResult | None]:
+        """Capture a frame of each camera, camera 0's into the job's left slot, and carry out the job as they arrive.
+
+        The frames are captured also where the job is refused.
+
+        Args:
+            job: a live one, of two different slots.
+            frames: uint8 (height, width), by camera.
+            pause: probability that a pixel is held back in a clock.
+            seed: of the pauses.
+
+        Raises:
+            DeviceError: if the board refuses a capture or drops a frame, or the map does not arrive whole. No request
+                and no pass is left then.
+        """
+        d, slots = self.device, (job.left, job.right)
+        try:
+            for camera, slot in enumerate(slots):
+                d.arm(slot, camera)
+            self.load(job)
+            self.go()
+            for camera, frame in enumerate(frames):
+                d.play(frame, camera, pause, seed + camera)
+            answer = self.collect(job)
+            d.finish_playing()
+            d.wait_captured(0, 1)
+        except DeviceError:
+            for camera in (0, 1):
+                with suppress(DeviceError):
+                    d.disarm(camera)
+            self._stop(job)
+            raise
+        return answer
+
+    def _stop(self, job: DenseJob) -> None:
+        """End the pass of `job` if it is under way, and throw its map away."""
+        if self.busy:
+            self.cancel()
+        with suppress(DeviceError):
+            while self.busy or self.device.stream_waiting:
+                if self.device.stream_waiting:
+                    self.device.map_words(job_words(self.device.size, job))
+
+
+def job_words(size: tuple[int, int], job: DenseJob) -> int:
+    """Words of a whole map of `job` of images of `size` (width, height)."""
+    rows, columns = map_shape(size, job.step)
+    return rows * columns

@@ -16,7 +16,7 @@ from golden.params import Config
 JOB_FIELDS = {
     "left_slot": "planes.left", "right_slot": "planes.right", "window": "planes.window", "offsets": "search.offsets",
     "start": "search.start", "down": "vertical.down", "step_x": "vertical.step_x", "step_y": "vertical.step_y",
-    "most": "limits.most", "margin": "limits.margin", "check": "planes.check",
+    "most": "limits.most", "margin": "limits.margin", "check": "planes.check", "live": "planes.live",
 }
 """Fields of `dense_job_t` and those of the registers, without `dense.`."""
 RESET = {"vertical.step_x": 1, "vertical.step_y": 1, "limits.most": MOST}
@@ -55,7 +55,7 @@ class DenseControlModel:
         job = {name: value[f"dense.{path}"] for name, path in JOB_FIELDS.items()}
         return {"rd_data_o": None if self.unknown else answer[0] if answer else 0, "irq_o": self.irq,
                 "start_o": self.start, "cancel_o": value["dense.run.cancel"],
-                "job_o": DENSE_JOB.pack({**job, "live": 0})}
+                "job_o": DENSE_JOB.pack(job)}
 
     def _status(self, i: Inputs, free: bool) -> dict[str, int | None]:
         """Fields driven by hardware, as the host would read them in this clock."""

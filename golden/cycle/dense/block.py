@@ -8,6 +8,7 @@ from golden.cycle.dense.check import DenseCheckModel
 from golden.cycle.dense.dense_pass import DensePassModel
 from golden.cycle.dense.engine import DenseEngineModel, flush_clocks
 from golden.cycle.dense.feed import DenseFeedModel
+from golden.cycle.dense.live import DenseLiveModel
 from golden.cycle.dense.out import DenseOutModel
 from golden.cycle.dense.plan import DenseBuild, DensePlanModel, unpack_job
 from golden.cycle.dense.room import DenseRoomModel
@@ -20,31 +21,32 @@ LIMITS = "step_x", "step_y", "most", "margin", "check"
 
 
 class DenseBlockModel:
-    """Pass, plan, room, feed, engine, check and output wired together.
+    """Pass, plan, live, room, feed, engine, check and output wired together.
 
     Every wire between them comes from a register, so each part takes what the others showed in this clock.
     """
 
-    INPUTS = ("rst_i", "start_i", "job_i", "cancel_i", "image_width_i", "image_height_i", "slot_valid_i", "rd_data_i",
-              "map_tready_i")
+    INPUTS = ("rst_i", "start_i", "job_i", "cancel_i", "image_width_i", "image_height_i", "slot_valid_i",
+              "progress_i", "clear_i", "rd_data_i", "map_tready_i")
     OUTPUTS = ("slot_busy_o", "rd_valid_o", "rd_addr_o", "map_tvalid_o", "map_tdata_o", "map_tuser_o", "map_tlast_o",
                "busy_o", "done_o", "status_o", "row_o", "stall_o")
 
     def __init__(self, build: DenseBuild) -> None:
         self.sequence = DensePassModel(flush_clocks(build.offsets, build.max_window))
         self.plan, self.room, self.feed = DensePlanModel(build), DenseRoomModel(build.out_depth), DenseFeedModel(build)
+        self.live = DenseLiveModel()
         self.engine = DenseEngineModel(build.offsets, build.lanes, build.max_window)
         self.check, self.output = DenseCheckModel(build.offsets), DenseOutModel(build.out_depth)
 
     def step(self, i: Inputs) -> Values:
         """Outputs of this clock from the state and the inputs `i`, then the clock edge."""
         rst = {"rst_i": i["rst_i"]}
-        led, sent, room = self.sequence.out, self.feed.out, self.room.out
+        led, sent, room, seen = self.sequence.out, self.feed.out, self.room.out, self.live.out
         now = all_or_zero(led)
         job, size = unpack_job(now["job_o"]), {name: now[f"{name[:-2]}_o"] for name in ("image_width_i",
                                                                                          "image_height_i")}
         planned = self.plan.step({**rst, **size, "start_i": now["plan_o"], "job_i": now["job_o"],
-                                  "slot_valid_i": i["slot_valid_i"]})
+                                  "slot_valid_i": i["slot_valid_i"], "here_i": seen["here_o"] or 0})
         planned_now = all_or_zero(planned)
         plan = PLAN.unpack(planned_now["plan_o"])
         columns = all_or_zero({f"{name}_i": sent[f"{name}_o"] for name in SENT})
@@ -61,12 +63,18 @@ class DenseBlockModel:
         self.feed.step({**rst, "begin_i": now["begin_o"], "row_i": now["row_o"], "plan_i": planned_now["plan_o"],
                         "down_i": job["down"] & 0x3FF, "width_i": size["image_width_i"],
                         "height_i": size["image_height_i"], "rd_data_i": i["rd_data_i"]})
-        known = all_or_zero({**room, "busy_o": sent["busy_o"]})
+        keep = self.live.keep(job["live"])
+        known = all_or_zero({**room, **seen, "busy_o": sent["busy_o"]})
+        self.live.step({**rst, "begin_i": now["plan_o"], "reading_i": now["reading_o"], "live_i": job["live"],
+                        "left_slot_i": job["left_slot"], "right_slot_i": job["right_slot"],
+                        "down_i": job["down"] & 0x3FF, "row_i": now["row_o"],
+                        **{name: i[name] for name in ("progress_i", "slot_valid_i", "clear_i")}})
         self.sequence.step({**rst, **{name: i[name] for name in ("start_i", "job_i", "cancel_i", "image_width_i",
                                                                  "image_height_i")},
                             "planned_i": planned_now["done_o"], "status_i": planned_now["status_o"],
                             "pitch_i": plan["pitch"], "row_words_i": plan["words"], "feed_busy_i": known["busy_o"],
-                            "room_i": known["room_o"], "empty_i": known["empty_o"]})
+                            "keep_i": keep, "there_i": known["there_o"], "whole_i": known["whole_o"],
+                            "lost_i": known["lost_o"], "room_i": known["room_o"], "empty_i": known["empty_o"]})
         return {**{name: led[name] for name in ("slot_busy_o", "busy_o", "done_o", "status_o", "row_o", "stall_o")},
                 **{name: sent[name] for name in ("rd_valid_o", "rd_addr_o")},
                 **{name: shown[name] for name in ("map_tvalid_o", "map_tdata_o", "map_tuser_o", "map_tlast_o")}}

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from golden.cycle.dense.plan import unpack_job
-from golden.cycle.dense.structs import CANCELLED, OK
+from golden.cycle.dense.structs import CANCELLED, LOST, OK
 from golden.cycle.model import Inputs, Values
 
 IDLE, TAKE, MARK, PLAN, FLUSH, ROWS, DRAIN, EMPTY, TAIL, OVER = range(10)
@@ -22,9 +22,9 @@ class DensePassModel:
     """
 
     INPUTS = ("rst_i", "start_i", "job_i", "cancel_i", "image_width_i", "image_height_i", "planned_i", "status_i",
-              "pitch_i", "row_words_i", "feed_busy_i", "room_i", "empty_i")
+              "pitch_i", "row_words_i", "feed_busy_i", "keep_i", "there_i", "whole_i", "lost_i", "room_i", "empty_i")
     OUTPUTS = ("slot_busy_o", "job_o", "image_width_o", "image_height_o", "plan_o", "begin_o", "flush_o", "clear_o",
-               "row_o", "words_o", "reserve_o", "tail_o", "busy_o", "done_o", "status_o", "stall_o")
+               "row_o", "words_o", "reserve_o", "reading_o", "tail_o", "busy_o", "done_o", "status_o", "stall_o")
 
     def __init__(self, flush: int) -> None:
         self.flush = flush
@@ -43,7 +43,7 @@ class DensePassModel:
 
     def _stop(self) -> None:
         self.state, self.status = IDLE, OK
-        self.cancelled = self.early = False
+        self.quit = self.early = False
         self.planned: int | None = None
         """Status of the plan that was done in the clock before."""
         self.left = self.wait = 0
@@ -57,6 +57,7 @@ class DensePassModel:
     def out(self) -> Values:
         return {**self.pulses, "job_o": self.job, "image_width_o": self.size[0], "image_height_o": self.size[1],
                 "plan_o": int(self.state == MARK), "flush_o": int(self.state == FLUSH), "words_o": self.words,
+                "reading_o": int(self.state in READING),
                 "done_o": int(self.state == OVER),
                 "busy_o": int(self.state != IDLE), "status_o": self.status}
 
@@ -66,19 +67,21 @@ class DensePassModel:
         started = self.pulses["row_o"]
         due = state == ROWS and self.wait == 0 and not started
         whole = self.rows <= (self.gap or 0)
-        ending = due and (whole or self.cancelled)
-        going = due and not ending and bool(i["room_i"])
+        ending = due and (whole or self.quit)
+        going = due and not ending and bool(i["room_i"]) and bool(i["there_i"])
         accepted = self.planned == OK
         ended = state == EMPTY and bool(i["empty_i"])
         self.pulses = {
             "begin_o": int(accepted), "row_o": int(going), "tail_o": self.tail,
             "reserve_o": int((going and self.gap == 0) or (ended and self.early)), "clear_o": int(state not in MAPPING),
-            "stall_o": int(due and not ending and not going), "slot_busy_o": self._slots() if state in READING else 0}
+            "stall_o": int(due and not ending and bool(i["there_i"]) and not going),
+            "slot_busy_o": self._slots(i["keep_i"]) if state in READING else 0}
         self.tail = int(state == TAIL)
         self.words = 1 if state in (EMPTY, TAIL) else None if self.has is None else i["row_words_i"] * self.has
         self.has = None if self.gap is None else not self.gap
-        self._status()
-        self.state = self._next(i, ending, ended)
+        freed = state == DRAIN and not self.feeds and bool(i["whole_i"] or self.quit)
+        self._status(i, freed)
+        self.state = self._next(i, ending, freed, ended)
         self.feeds = i["feed_busy_i"]
         self._count(i, state, bool(started))
         self.planned = i["status_i"] if state == PLAN and i["planned_i"] and self.planned is None else None
@@ -86,7 +89,7 @@ class DensePassModel:
             self.early = not whole
         if state == TAIL:
             self.early = False
-        self.cancelled = state != IDLE and (self.cancelled or bool(i["cancel_i"]))
+        self.quit = state != IDLE and (self.quit or bool(i["cancel_i"] or i["lost_i"]))
         if state in (IDLE, TAKE):
             self.job, self.size, self.early = self.came[0], self.came[1:], False
         self.came = i["job_i"], i["image_width_i"], i["image_height_i"]
@@ -94,23 +97,23 @@ class DensePassModel:
             self._stop()
         return out
 
-    def _slots(self) -> int:
-        """A bit for each slot of the job."""
+    def _slots(self, keep: int) -> int:
+        """A bit for each slot of the job's planes in `keep`, bit 0 the left one."""
         job = unpack_job(self.job or 0)
-        return 1 << job["left_slot"] | 1 << job["right_slot"]
+        return (keep & 1) << job["left_slot"] | (keep >> 1) << job["right_slot"]
 
-    def _status(self) -> None:
+    def _status(self, i: Inputs, freed: bool) -> None:
         if self.planned is not None:
             self.status = self.planned
-        elif self.state == TAIL:
-            self.status = CANCELLED
+        elif freed:
+            self.status = LOST if i["lost_i"] else CANCELLED if self.early or not i["whole_i"] else OK
 
-    def _next(self, i: Inputs, ending: bool, ended: bool) -> int:
+    def _next(self, i: Inputs, ending: bool, freed: bool, ended: bool) -> int:
         """The state of the next clock."""
         after = {IDLE: (i["start_i"], TAKE), TAKE: (True, MARK), MARK: (True, PLAN),
                  PLAN: (self.planned is not None, OVER if self.planned else FLUSH),
                  FLUSH: (self.left == self.flush - 1, ROWS), ROWS: (ending, DRAIN),
-                 DRAIN: (not self.feeds, EMPTY),
+                 DRAIN: (freed, EMPTY),
                  EMPTY: (ended, TAIL if self.early else OVER), TAIL: (True, EMPTY), OVER: (True, IDLE)}
         moves, state = after[self.state]
         return state if moves else self.state

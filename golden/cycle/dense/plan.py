@@ -13,6 +13,8 @@ SETTLE = 8
 """Clocks that every plan takes."""
 OVERHEAD = 3
 """Clocks from the start to `done_o` besides those that the plan takes."""
+HERE = 2
+"""Clocks from the start of a live job to `here_i`."""
 
 
 @dataclass(frozen=True)
@@ -53,14 +55,15 @@ def unpack_job(word: int) -> dict[str, int]:
     return {**job, "start": signed(job["start"], 10), "down": signed(job["down"], 10)}
 
 
-def status_of(job: dict[str, int], build: DenseBuild, size: tuple[int, int], valid: int) -> int:
-    """What the check says of `job`; `size` is (width, height), `valid` has a bit for each slot with a frame."""
+def status_of(job: dict[str, int], build: DenseBuild, size: tuple[int, int], present: tuple[int, int]) -> int:
+    """What the check says of `job`; `size` is (width, height), `present` whether the slots hold a frame, or will."""
     windows = [build.max_window >> s for s in range(build.sizes)]
     if job["window"] not in windows or job["window"] > min(size):
         return BAD_WINDOW
     if not 1 <= job["offsets"] <= build.offsets:
         return BAD_OFFSETS
-    if not all(slot < build.slots and valid >> slot & 1 for slot in (job["left_slot"], job["right_slot"])):
+    if not all(slot < build.slots and there
+               for slot, there in zip((job["left_slot"], job["right_slot"]), present, strict=True)):
         return BAD_SLOT
     return OK if job["step_x"] and job["step_y"] else BAD_STEP
 
@@ -84,12 +87,14 @@ def plan_of(job: dict[str, int], build: DenseBuild, width: int) -> dict[str, int
 class DensePlanModel:
     """The check and the plan of a job. Status and plan are undefined before they are done and when the job changes."""
 
-    INPUTS = ("rst_i", "start_i", "job_i", "image_width_i", "image_height_i", "slot_valid_i")
+    INPUTS = ("rst_i", "start_i", "job_i", "image_width_i", "image_height_i", "slot_valid_i", "here_i")
     OUTPUTS = ("done_o", "status_o", "plan_o")
 
     def __init__(self, build: DenseBuild) -> None:
         self.build = build
         self.left = 0
+        self.starting = 0
+        """Clocks until `here_i` counts of a live job that was started."""
         self.known: tuple[int, int, int] | None = None
         self.status, self.plan = OK, 0
 
@@ -104,17 +109,24 @@ class DensePlanModel:
         if asked != self.known:
             self.known = None
         self.left = max(0, self.left - 1)
+        job = unpack_job(i["job_i"])
         if i["rst_i"]:
-            self.left, self.known = 0, None
+            self.left, self.starting, self.known = 0, 0, None
         elif i["start_i"]:
-            self._start(unpack_job(i["job_i"]), i)
-            self.known = asked
+            valid = i["slot_valid_i"]
+            self._start(job, i, (valid >> job["left_slot"] & 1, valid >> job["right_slot"] & 1))
+            self.starting, self.known = HERE * job["live"], asked
+        elif self.starting:
+            self.starting -= 1
+            if not self.starting:
+                self._start(job, i, (i["here_i"] & 1, i["here_i"] >> 1))
+                self.left -= HERE
         return out
 
-    def _start(self, job: dict[str, int], i: Inputs) -> None:
-        """Find out what comes of the job, and when."""
+    def _start(self, job: dict[str, int], i: Inputs, present: tuple[int, int]) -> None:
+        """Find out what comes of the job, and when, counted from its start."""
         size = i["image_width_i"], i["image_height_i"]
-        self.status = status_of(job, self.build, size, i["slot_valid_i"])
+        self.status = status_of(job, self.build, size, present)
         clocks = SETTLE
         if self.status == OK:
             plan = plan_of(job, self.build, size[0])

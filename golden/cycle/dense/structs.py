@@ -33,5 +33,5 @@ ROW = Layout(("incoming", 16), ("leaving", 16), ("has_incoming", 1), ("has_leavi
 CHECKED = Layout(("found", 1), ("agrees", 1), ("index", INDEX_BITS), *SUMS)
 """`checked_t`."""
 NOTHING = CHECKED.pack({"found": 0, "agrees": 0, "index": 0, **{name: NO_SUM for name, _ in SUMS}})
-OK, BAD_WINDOW, BAD_OFFSETS, BAD_SLOT, BAD_STEP, CANCELLED = range(6)
+OK, BAD_WINDOW, BAD_OFFSETS, BAD_SLOT, BAD_STEP, CANCELLED, LOST = range(7)
 """`dense_status_e`."""

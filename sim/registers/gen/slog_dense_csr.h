@@ -42,6 +42,10 @@ extern "C" {
 #define SLOG_DENSE_CSR__DENSE__PLANES__CHECK_bp 17
 #define SLOG_DENSE_CSR__DENSE__PLANES__CHECK_bw 1
 #define SLOG_DENSE_CSR__DENSE__PLANES__CHECK_reset 0x0
+#define SLOG_DENSE_CSR__DENSE__PLANES__LIVE_bm 0x40000
+#define SLOG_DENSE_CSR__DENSE__PLANES__LIVE_bp 18
+#define SLOG_DENSE_CSR__DENSE__PLANES__LIVE_bw 1
+#define SLOG_DENSE_CSR__DENSE__PLANES__LIVE_reset 0x0
 
 // reg - slog_dense_csr::dense::search
 #define SLOG_DENSE_CSR__DENSE__SEARCH__OFFSETS_bm 0x1ff

@@ -27,6 +27,7 @@ class slog_dense_csr_Group(RALGroup):
                 right: int
                 window: int
                 check: int
+                live: int
             def read_fields(self) -> planes_RV: ...
             @contextmanager
             def write_fields(self) -> Iterator[planes_RV]: ...
@@ -36,6 +37,7 @@ class slog_dense_csr_Group(RALGroup):
             right: RALField
             window: RALField
             check: RALField
+            live: RALField
         class search_Reg(RALRegister):
             class search_RV(RegValue):
                 offsets: int

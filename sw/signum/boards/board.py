@@ -13,7 +13,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Self
 
@@ -262,14 +262,36 @@ class Board(ABC):
             BoardError: if this build has no dense engine, a slot was captured at another image size, or the board
                 refuses the job.
         """
-        if not self._config.dense_offsets:
-            raise BoardError("this board has no dense engine: use the configuration dense")
+        self._check_engine()
         for slot in (job.left, job.right):
             self._check_slot(slot)
-        status, result = self._dense(job)
-        if result is None:
-            raise BoardError(f"dense job refused: {status.name}")
-        return result
+        return self._answer(*self._dense(job))
+
+    def capture_dense(self, job: DenseJob, frames: tuple[Image, Image]) -> DenseResult:
+        """Capture a pair and run a pass over it at once: as `capture_pair` and `dense`, but the pass is live.
+
+        Camera 0 captures into the job's left slot and camera 1 into its right one, and each row is searched when both
+        cameras' rows that it needs have arrived. So the map ends little after the frames, not a pass later.
+
+        Args:
+            job: as of `dense`, with two different slots; it is run as a live one, whatever its `live` says.
+            frames: of cameras 0 and 1, uint8 (height, width) of the image size.
+
+        Returns:
+            As `dense`.
+
+        Raises:
+            BoardError: as `capture_pair` and `dense`. Where the board refuses the job, the frames are captured.
+        """
+        self._check_engine()
+        if job.left == job.right:
+            raise BoardError("a pair needs two different slots")
+        pair = [(0, job.left, frames[0]), (1, job.right, frames[1])]
+        self._check_captures(pair)
+        answer = self._capture_dense(replace(job, live=True), frames)
+        for slot in (job.left, job.right):
+            self._usable[slot] = True
+        return self._answer(*answer)
 
     @abstractmethod
     def counters(self) -> dict[str, int]:
@@ -290,7 +312,24 @@ class Board(ABC):
         self.close()
 
     # ------------------------------------------------------------------------------------------------------ checks
+    def _check_engine(self) -> None:
+        if not self._config.dense_offsets:
+            raise BoardError("this board has no dense engine: use the configuration dense")
+
+    @staticmethod
+    def _answer(status: DenseStatus, result: DenseResult | None) -> DenseResult:
+        if result is None:
+            raise BoardError(f"dense job refused: {status.name}")
+        return result
+
     def _capture_all(self, frames: Sequence[tuple[int, int, Image]]) -> None:
+        self._check_captures(frames)
+        self._capture(frames)
+        for _, slot, _ in frames:
+            self._usable[slot] = True
+
+    def _check_captures(self, frames: Sequence[tuple[int, int, Image]]) -> None:
+        """Check captures (camera, slot, frame) before they begin; their slots hold nothing from now on."""
         for camera, slot, frame in frames:
             self._check_capture(slot, frame, camera)
         for slot in sorted(slot for _, slot, _ in frames):
@@ -298,9 +337,6 @@ class Board(ABC):
                 raise BoardError(f"slot {slot} is named by jobs whose results are not collected: collect them first")
         for _, slot, _ in frames:
             self._usable.pop(slot, None)
-        self._capture(frames)
-        for _, slot, _ in frames:
-            self._usable[slot] = True
 
     def _check_capture(self, slot: int, frame: Image, camera: int) -> None:
         if not self._configurations:
@@ -368,6 +404,11 @@ class Board(ABC):
     @abstractmethod
     def _dense(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
         """The status of a job of the dense engine, which the build has, and its winners where that is OK."""
+
+    def _capture_dense(self, job: DenseJob, frames: tuple[Image, Image]) -> tuple[DenseStatus, DenseResult | None]:
+        """Capture the frames of cameras 0 and 1 into the live job's slots, and answer as `_dense`."""
+        self._capture([(0, job.left, frames[0]), (1, job.right, frames[1])])
+        return self._dense(job)
 
     def _run_table(self, jobs: IntTable) -> IntTable:
         """Results of a table of jobs, while no others are outstanding."""

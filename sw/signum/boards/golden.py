@@ -8,7 +8,8 @@ Results are those of the RTL, bit for bit. Clocks are an estimate of what the RT
   lasts max(steps, offsets of the pass) clocks; a step takes two window rows, or one of a window wider than a group.
   Operands load at one store word a clock while the previous job is scored, so a job lasts at least as long as its words
   take to load;
-- pass of the dense engine: the rows up to the last one that is answered, see `dense_clocks`;
+- pass of the dense engine: the rows up to the last one that is answered, see `dense_clocks`; one that is live with its
+  capture: these and the `radius` rows before a camera's first one is in the store;
 - register accesses are not counted.
 """
 
@@ -168,6 +169,17 @@ class GoldenBoard(Board):
         if not self._kernel:
             return run_dense(job, self._planes, self.config, self.image_size)
         return status, self._kernel.dense(self._packed[job.left], self._packed[job.right], self.image_size[0], job)
+
+    def _capture_dense(self, job: DenseJob, frames: tuple[Image, Image]) -> tuple[DenseStatus, DenseResult | None]:
+        before = self._clocks
+        self._capture([(0, job.left, frames[0]), (1, job.right, frames[1])])
+        captured = self._clocks
+        answer = self._dense(job)
+        if answer[1] is not None:
+            ahead = self.image_size[0] * self.config.radius
+            self._clocks += ahead + before - captured
+            self._counts["busy_clocks"] += ahead
+        return answer
 
     def _run_table(self, jobs: IntTable) -> IntTable:
         status = self._check(jobs)

@@ -118,3 +118,9 @@ class VerilatedBoard(Board):
             return DenseEngine(self._device).run(job)
         except DeviceError as error:
             raise BoardError(str(error)) from error
+
+    def _capture_dense(self, job: DenseJob, frames: tuple[Image, Image]) -> tuple[DenseStatus, DenseResult | None]:
+        try:
+            return DenseEngine(self._device).run_live(job, frames)
+        except DeviceError as error:
+            raise BoardError(str(error)) from error

@@ -39,6 +39,32 @@ def test_every_pixel_finds_the_shift(board: GoldenBoard) -> None:
         assert values.dtype == getattr(result, name).dtype
 
 
+def test_a_pair_is_captured_and_searched_in_one_call(board: GoldenBoard) -> None:
+    """The result of two calls, in fewer clocks than they take, and the slots hold the frames."""
+    before = board.clocks
+    wanted, (left, right) = board.dense(JOB), (board.read_plane(0), board.read_plane(1))
+    scene = np.random.default_rng(5).integers(0, 256, (50, 60), dtype=np.uint8)
+    frames = scene[8:44, 7:55], scene[10:46, 10:58]
+    passed, busy = board.clocks - before, board.counters()["busy_clocks"]
+    found = board.capture_dense(replace(JOB, left=2, right=0), frames)
+    for name, values in vars(wanted).items():
+        assert np.array_equal(values, getattr(found, name)), name
+    assert np.array_equal(board.read_plane(2), left) and np.array_equal(board.read_plane(0), right)
+    taken = board.clocks - before - passed
+    assert passed < taken == board.counters()["busy_clocks"] - busy
+    board.capture_pair((2, 0), frames)
+    assert taken < board.clocks - before - taken
+    with pytest.raises(BoardError, match="two different slots"):
+        board.capture_dense(replace(JOB, right=0), frames)
+    with pytest.raises(BoardError, match="no dense engine"):
+        GoldenBoard(TINY).capture_dense(JOB, frames)
+    with pytest.raises(BoardError, match="expected uint8"):
+        board.capture_dense(JOB, (frames[0], frames[1][1:]))
+    with pytest.raises(BoardError, match="dense job refused: BAD_STEP"):
+        board.capture_dense(replace(JOB, step=(0, 1)), frames)
+    board.read_plane(1)
+
+
 def test_clocks_of_a_pass() -> None:
     """One pixel a clock but for the gap between rows: 95 % of the clocks and more yield a pixel."""
     clocks = dense_clocks(DenseJob(0, 1, DensePass(32, 128)), DENSE, (640, 480))

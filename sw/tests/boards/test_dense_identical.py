@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from golden.dense import DensePass
-from golden.dense_job import DenseJob, DenseResult
+from golden.dense_job import DenseJob, DenseResult, DenseStatus
 from golden.params import TINY_DENSE
 from signum.boards.board import Board, BoardError
 from signum.boards.golden import GoldenBoard
 from signum.boards.verilated import VerilatedBoard
-from sim.board.dense import CANCELLED, DenseEngine, map_shape, unpack_map
-from sim.board.device import Device
+from sim.board.dense import CANCELLED, LOST, DenseEngine, map_shape, unpack_map
+from sim.board.device import Device, DeviceError, frame_beats
 from sim.seeds import session_rng
 from tests.boards.dense_scenes import random_pair, random_search
 
@@ -122,6 +122,58 @@ def test_a_cancelled_pass_ends_and_the_next_is_whole() -> None:
         early = unpack_map(words[:-1], (rows, SIZE[0]))
         for name in FIELDS:
             assert np.array_equal(getattr(early, name), getattr(whole, name)[:rows]), name
+
+
+def test_live_passes_are_the_same(boards: Pair) -> None:
+    """A pair captured and searched in one call, on both boards, as captured first and searched then; the frames stay for
+    later passes. A refused job leaves the frames, too."""
+    rng = session_rng("live passes")
+    for board in boards:
+        board.configure(SIZE, 1.5)
+    for _ in range(25):
+        frames, slots = random_pair(rng, SIZE), rng.choice(((0, 1), (1, 0), (2, 0), (1, 2)))
+        job = DenseJob(*slots, random_search(rng, TINY_DENSE), *rng.choice((((1, 1),), ((3, 2), 12, 0, True))))
+        boards[1]._device.pause_stream(rng.choice((0.0, 0.0, 0.4)), rng.getrandbits(30))
+        _same([board.capture_dense(job, frames) for board in boards], job)
+        later = [board.dense(replace(job, live=rng.random() < 0.5)) for board in boards]
+        _same([later[0], boards[1].capture_dense(job, frames)], job)
+        _same(later, job)
+    messages = []
+    for board in boards:
+        with pytest.raises(BoardError, match="refused") as refused:
+            board.capture_dense(replace(job, search=DensePass(8, 17)), frames)
+        messages.append(str(refused.value))
+    assert messages[0] == messages[1]
+    _same([board.dense(job) for board in boards], job)
+    assert boards[1]._device.read("dense.irq_status.lost") == 0
+
+
+def test_slow_cameras_and_lost_frames() -> None:
+    """The map waits for cameras that pause; one whose frame breaks off ends the pass, and the board goes on."""
+    rng = session_rng("lost frames")
+    job = DenseJob(0, 1, DensePass(8, 16, -4), live=True)
+    with VerilatedBoard(TINY_DENSE) as board:
+        board.configure(SIZE, 1.5)
+        frames = random_pair(rng, SIZE)
+        device: Device = board._device
+        engine = DenseEngine(device)
+        status, slow = engine.run_live(job, frames, pause=0.7, seed=rng.getrandbits(30))
+        assert status is DenseStatus.OK and slow is not None
+        board.capture_pair((0, 1), frames)
+        _same([board.dense(replace(job, live=False)), slow], job)
+        broken = frame_beats(frames[1])[:-SIZE[0] - 5]  # the next frame's first pixel ends it
+        for slot in (0, 1):
+            device.arm(slot, slot)
+        engine.load(job)
+        engine.go()
+        device.play(frames[0], 0)
+        device.play_beats(np.concatenate([broken, frame_beats(frames[1])]), 1)
+        with pytest.raises(DeviceError, match="lost"):
+            engine.collect(job)
+        assert engine.status == LOST and not engine.busy
+        device.finish_playing()
+        device.disarm(1)
+        _same([board.capture_dense(job, frames), slow], job)
 
 
 def test_map_words_are_checked() -> None:

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`slog_dense_live` against its cycle model on every clock, and against what the cameras did.
+
+The cameras keep the promises of `slog_capture`; requests begin and end at any time before and after a pass' begin.
+"""
+
+import random
+from collections import Counter
+from collections.abc import Generator
+
+import cocotb
+
+from cocotb_tests.env.check import check_cycles
+from golden.cycle.dense.live import ABSENT, AWAITED, FOLLOWED, LOST, WHOLE, DenseLiveModel
+from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.traffic.lasting import lasting
+from golden.traffic.live import FATES, Request, Shown, camera
+from sim.coverage.record import met
+from sim.testbench.runner import simulate
+
+PASSES = 150
+LATENCY = 4
+"""Clocks from a camera's row to `there_o`."""
+BEGINS = {ABSENT: "absent", AWAITED: "awaited", FOLLOWED: "being written", WHOLE: "whole"}
+POINTS = {*BEGINS.values(), "same slot", "size changed", "row above the plane", "row below the plane",
+          *(f"frame {fate}" for fate in FATES), "lost before it began", "whole after it was awaited", "not live"}
+
+
+class Cameras:
+    """Two cameras that get one request after another, for different slots, and the slots that hold a frame."""
+
+    def __init__(self, rng: random.Random, seen: Counter[str]) -> None:
+        self.rng, self.seen, self.valid = rng, seen, rng.getrandbits(4)
+        self.requests: list[Request | None] = [None, None]
+        self.running: list[Generator[Shown, bool, None] | None] = [None, None]
+        self.kept = 0  # slots that the pass keeps
+
+    def ask(self, c: int, slots: list[int]) -> None:
+        """Give camera c a request for one of `slots`, if it has none and the other camera does not hold the slot."""
+        other = self.requests[1 - c]
+        if self.running[c] or (other and other.slot in slots):
+            return
+        rng = self.rng
+        rows = rng.randint(1, 12)
+        request = Request(rng.choice(slots), rows, rng.choice(((1, 1), (1, 9), (9, 30))), rng.choice((0, 3, 40)),
+                          rng.choice((*FATES, "whole", "whole", "whole")), rng.randint(0, rows),
+                          rng.choice((0, 20)), 6 + c)
+        running = camera(request, rng)
+        next(running)  # so that it can be sent whether its slot is kept
+        self.requests[c], self.running[c] = request, running
+
+    def clock(self) -> int:
+        """Progress of both cameras in this clock."""
+        word = 0
+        for c in (0, 1):
+            running, request = self.running[c], self.requests[c]
+            if running is None or request is None:
+                continue
+            try:
+                shown = running.send(bool(self.kept >> request.slot & 1))
+            except StopIteration:
+                self.running[c] = self.requests[c] = None
+                self.seen[f"frame {request.fate}"] += 1
+                continue
+            word |= shown.progress << 16 * c
+            if shown.valid is not None:
+                bit = 1 << shown.slot
+                self.valid = self.valid | bit if shown.valid else self.valid & ~bit
+        return word
+
+
+def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> Stimulus:
+    """Passes, live and not, over slots in every state, until each of POINTS is in `seen`."""
+    cameras = Cameras(rng, seen)
+    for number in lasting(PASSES, 20 * PASSES, lambda: seen.keys() >= POINTS):
+        slots = [rng.randrange(5), rng.randrange(5)]
+        live, down = int(rng.random() < 0.85), rng.choice((0, 0, rng.randint(-4, 4), rng.randint(-14, 14), -512, 511))
+        if rng.random() < 0.2:
+            slots[1] = slots[0]
+        job = {"live_i": live, "left_slot_i": slots[0], "right_slot_i": slots[1], "down_i": down & 0x3FF}
+        for c in (0, 1):
+            if rng.random() < 0.85:
+                cameras.ask(c, [slots[c]] if rng.random() < 0.8 else [rng.randrange(5)])
+        for _ in range(rng.choice((0, 1, 2, 30, rng.randint(1, 90)))):
+            yield {**job, "live_i": rng.getrandbits(1), "progress_i": cameras.clock(), "slot_valid_i": cameras.valid,
+                   "down_i": rng.getrandbits(10)}
+        waits = begin = clocks = rows = 0
+        quit_at = rng.choice((rng.randint(1, 60), 500, 500, 500))
+        clear_at = rng.randint(0, 60) if rng.random() < 0.2 else -1
+        reset_at = rng.randint(1, 60) if number % 16 == 7 else -1
+        states = [ABSENT, ABSENT]
+        ahead: list[int] = []
+        ended = 0
+        while clocks < quit_at and ended < 12:
+            now = cameras.clock()
+            if not clocks % 7 and not ended:
+                for c in (0, 1):
+                    if rng.random() < 0.1:
+                        cameras.ask(c, [rng.randrange(5)])
+            row = int(waits > 3 and bool(ahead) and ahead[-1] == 1 and rows < 14 and rng.random() < 0.6)
+            out = yield {**job, "begin_i": int(clocks == begin), "reading_i": 1, "row_i": row, "progress_i": now,
+                         "slot_valid_i": cameras.valid, "clear_i": int(clocks == clear_at),
+                         "rst_i": int(clocks == reset_at)}
+            seen["size changed"] += clocks == clear_at and live
+            cameras.kept = sum(1 << slot for p, slot in enumerate(slots) if out["keep_o"] >> p & 1)
+            ahead.append(out["there_o"] if clocks > LATENCY else 0)
+            waits = 0 if row else waits + 1
+            seen["row above the plane"] += row and rows < down and live
+            seen["row below the plane"] += row and rows - down > 12 and live
+            rows += row
+            before, states = states, list(model.states)
+            if clocks == 0 and live:
+                for state in states:
+                    seen[BEGINS[state]] += 1
+                seen["same slot"] += slots[0] == slots[1]
+            for was, state in zip(before, states, strict=True):
+                seen["lost before it began"] += (was, state) == (AWAITED, LOST)
+                seen["whole after it was awaited"] += clocks > 1 and was in (AWAITED, FOLLOWED) and state == WHOLE
+            ended += bool(out["lost_o"]) or (bool(out["whole_o"]) and clocks > LATENCY and rows > 10)
+            clocks += 1
+            if clocks > reset_at > 0:
+                break
+        seen["not live"] += not live
+        cameras.kept = 0
+        for _ in range(rng.randint(1, 4)):
+            yield {**job, "progress_i": cameras.clock(), "slot_valid_i": cameras.valid}
+
+
+@cocotb.test()
+async def every_clock(dut) -> None:
+    rng, seen = random.Random(cocotb.RANDOM_SEED), Counter[str]()
+    model = DenseLiveModel()
+    def watch(i: Inputs, out: Outputs) -> None:
+        assert not (i["live_i"] and out["lost_o"] and out["whole_o"])
+
+    await check_cycles(dut, model, _passes(rng, model, seen), watch)
+    seen = Counter({name: count for name, count in seen.items() if count})
+    met("planes of live passes", {name: seen[name] for name in sorted(POINTS)})
+    assert seen.keys() >= POINTS, POINTS - seen.keys()
+
+
+def test_live() -> None:
+    simulate("slog_dense_live", __name__)
