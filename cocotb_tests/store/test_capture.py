@@ -52,8 +52,8 @@ class _Counts:
 
     def enough(self, cameras: int) -> bool:
         """Whether each event was met so often that a fault in it would be seen."""
-        return (self.captures >= 4 and self.rows >= 12 and self.aborted >= 2 and self.refused >= 12 and self.given_up >= 1
-                and (cameras == 1 or self.both >= 1))
+        return (self.captures >= 4 and self.rows >= 12 and self.aborted >= 2 and self.refused >= 12
+                and self.given_up >= 1 and (cameras == 1 or self.both >= 1))
 
 
 def _camera(rng: random.Random, rows: int, words: int, bits: int, tight: bool) -> Iterator[_Wire]:
@@ -177,8 +177,9 @@ async def every_clock(dut, tight: bool, resets: bool) -> None:
         commands.append(i["cmd_valid_i"])
 
     assert await check_cycles(dut, model, _frames_and_commands(rng, p, tight, resets, seen), watch) >= CLOCKS
-    met("captures", {"frame kept": seen.captures, "row counted": seen.rows, "frame aborted": seen.aborted, "request refused": seen.refused,
-                     "gave way to a job": seen.given_up, "both cameras write": seen.both * (p["Cameras"] == 2)})
+    met("captures", {"frame kept": seen.captures, "row counted": seen.rows, "frame aborted": seen.aborted,
+                     "request refused": seen.refused, "gave way to a job": seen.given_up,
+                     "both cameras write": seen.both * (p["Cameras"] == 2)})
     assert seen.enough(p["Cameras"]), seen
 
 

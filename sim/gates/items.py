@@ -65,6 +65,7 @@ ITEMS = (
     GateItem("dense_winner", "dense/test_winner.py"),
     GateItem("dense_engine", "dense/test_engine.py"),
     GateItem("dense_plan", "dense/test_plan.py"),
+    GateItem("dense_live", "dense/test_live.py"),
     GateItem("dense_pass", "dense/test_pass.py"),
     GateItem("dense_feed", "dense/test_feed.py"),
     GateItem("dense_check", "dense/test_check.py"),

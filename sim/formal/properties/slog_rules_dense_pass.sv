@@ -2,7 +2,8 @@
 // slog_dense_pass: what it promises to slog_dense_room and slog_dense_feed, whatever these and the sink answer.
 //
 // A row reserves places only if there was room for just as many words in the clock before, a tail only if all were free;
-// rows are pitch_i clocks apart at least, and never more than the image has.
+// rows are pitch_i clocks apart at least, start only where their planes are there, and are never more than the image has. A
+// pass ends with DenseOk only if its frames were whole when its slots were freed.
 module slog_rules_dense_pass
   import slog_dense_pkg::*;
 (
@@ -19,6 +20,10 @@ module slog_rules_dense_pass
     input logic                 row_o,
     input logic          [ 9:0] words_o,
     input logic                 reserve_o,
+    input logic                 reading_o,
+    input logic                 there_i,
+    input logic                 whole_i,
+    input logic                 lost_i,
     input logic                 room_i,
     input logic                 empty_i,
     input logic                 tail_o,
@@ -29,7 +34,9 @@ module slog_rules_dense_pass
     input logic                 mark_q,
     input logic                 plan_q,
     input logic                 flush_q,
+    input logic                 empty_q,
     input logic                 tail_q,
+    input logic                 early_q,
     input logic          [11:0] again_q,
     input logic          [11:0] wait_q,
     input logic                 due_q,
@@ -39,12 +46,16 @@ module slog_rules_dense_pass
 );
   logic [10:0] since_q = '1;      // clocks since the last row, up to all ones
   logic [10:0] rows_seen_q;
-  logic room_q, empty_q, reserve_q, started_q, cancelled_q, busy_q;
+  logic room_q, all_q, reserve_q, started_q, cancelled_q, busy_q, there_q, whole_q, lost_q, reading_q;
   logic [9:0] words_q, row_words_q;
   logic [10:0] pitch_q;
   always_ff @(posedge clk_i) begin
     room_q      <= room_i;
-    empty_q     <= empty_i;
+    all_q       <= empty_i;
+    there_q     <= there_i;
+    whole_q     <= whole_i;
+    lost_q      <= lost_i;
+    reading_q   <= reading_o && !rst_i;
     reserve_q   <= reserve_o;
     words_q     <= words_o;
     row_words_q <= row_words_i;
@@ -61,15 +72,21 @@ module slog_rules_dense_pass
       AssumeHeight : assume (image_height_i != '0);
       AssumePlanned : assume (!planned_i || plan_q);
 
-      RulesDensePassRoom : assert (!reserve_o || (!tail_q && room_q) || (tail_q && empty_q));
+      RulesDensePassRoom : assert (!reserve_o || (!tail_q && room_q) || (tail_q && all_q));
       RulesDensePassWords : assert (!reserve_o || tail_q || words_o == words_q);
       RulesDensePassOnce : assert (!reserve_o || !reserve_q);
       RulesDensePassPitch : assert (!row_o || since_q >= pitch_i);
       RulesDensePassRows : assert (idle_q || rows_seen_q + 11'(rows_left_q) == 11'(height_q) || !rows_q);
       RulesDensePassNone : assert (!(take_q || mark_q || plan_q || flush_q) || rows_seen_q == '0);
-      RulesDensePassTail : assert (!tail_o || status_o == DenseCancelled);
+      RulesDensePassThere : assert (!row_o || there_q);
+      RulesDensePassWhole : assert (!(reading_q && !reading_o) || status_o != DenseOk || (whole_q && !lost_q));
+      RulesDensePassLost : assert (!(reading_q && !reading_o && lost_q && !done_o) || status_o != DenseCancelled);
+      RulesDensePassTail : assert (!tail_o || status_o == DenseCancelled || status_o == DenseLost);
+      CoverLost : cover (done_o && status_o == DenseLost && rows_seen_q == 11'd1);
       RulesDensePassDone : assert (!done_o || busy_o);
       // For the induction.
+      RulesDensePassEarly : assert (!(early_q && (empty_q || tail_q)) || status_o == DenseCancelled ||
+                                    status_o == DenseLost);
       RulesDensePassSince : assert (!rows_q || due_q || row_o || since_q >= pitch_i ||
                                     12'(since_q) + wait_q + 12'd3 == 12'(pitch_i));
       RulesDensePassAgain : assert (again_q + 12'd4 == 12'(pitch_i));

@@ -125,8 +125,8 @@ def test_a_cancelled_pass_ends_and_the_next_is_whole() -> None:
 
 
 def test_live_passes_are_the_same(boards: Pair) -> None:
-    """A pair captured and searched in one call, on both boards, as captured first and searched then; the frames stay for
-    later passes. A refused job leaves the frames, too."""
+    """A pair captured and searched in one call, on both boards, as captured first and searched then; the frames stay
+    for later passes. A refused job leaves the frames, too."""
     rng = session_rng("live passes")
     for board in boards:
         board.configure(SIZE, 1.5)
