@@ -13,6 +13,7 @@ import cocotb
 from cocotb_tests.env.check import check_cycles
 from golden.cycle.dense.live import ABSENT, AWAITED, FOLLOWED, LOST, WHOLE, DenseLiveModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
+from golden.cycle.store.capture_channel import PROGRESS
 from golden.traffic.lasting import lasting
 from golden.traffic.live import FATES, Request, Shown, camera
 from sim.coverage.record import met
@@ -23,7 +24,8 @@ LATENCY = 4
 """Clocks from a camera's row to `there_o`."""
 BEGINS = {ABSENT: "absent", AWAITED: "awaited", FOLLOWED: "being written", WHOLE: "whole"}
 POINTS = {*BEGINS.values(), "same slot", "size changed", "row above the plane", "row below the plane",
-          *(f"frame {fate}" for fate in FATES), "lost before it began", "whole after it was awaited", "not live"}
+          *(f"frame {fate}" for fate in FATES), "lost before it began", "whole after it was awaited", "not live",
+          "whole in this clock", "size changed at the begin"}
 
 
 class Cameras:
@@ -81,12 +83,19 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
         for c in (0, 1):
             if rng.random() < 0.85:
                 cameras.ask(c, [slots[c]] if rng.random() < 0.8 else [rng.randrange(5)])
-        for _ in range(rng.choice((0, 1, 2, 30, rng.randint(1, 90)))):
-            yield {**job, "live_i": rng.getrandbits(1), "progress_i": cameras.clock(), "slot_valid_i": cameras.valid,
-                   "down_i": rng.getrandbits(10)}
+        until_done, clears = rng.random() < 0.3, rng.random() < 0.1
+        before = rng.choice((0, 1, 2, 30, rng.randint(1, 90)))
+        for clock in range(300 if until_done else before):
+            now, last = cameras.clock(), clock == before - 1
+            yield {**job, "live_i": rng.getrandbits(1), "progress_i": now, "slot_valid_i": cameras.valid,
+                   "down_i": rng.getrandbits(10), "clear_i": int(clears and last)}
+            if until_done and any(PROGRESS.unpack(now >> PROGRESS.bits * c)["done"] for c in (0, 1)):
+                seen["whole in this clock"] += live
+                break
+        seen["size changed at the begin"] += clears and not until_done and before > 0 and live
         waits = begin = clocks = rows = 0
         quit_at = rng.choice((rng.randint(1, 60), 500, 500, 500))
-        clear_at = rng.randint(0, 60) if rng.random() < 0.2 else -1
+        clear_at = rng.choice((0, 1, rng.randint(0, 60))) if rng.random() < 0.25 else -1
         reset_at = rng.randint(1, 60) if number % 16 == 7 else -1
         states = [ABSENT, ABSENT]
         ahead: list[int] = []
@@ -108,12 +117,12 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
             seen["row above the plane"] += row and rows < down and live
             seen["row below the plane"] += row and rows - down > 12 and live
             rows += row
-            before, states = states, list(model.states)
+            earlier, states = states, list(model.states)
             if clocks == 0 and live:
                 for state in states:
                     seen[BEGINS[state]] += 1
                 seen["same slot"] += slots[0] == slots[1]
-            for was, state in zip(before, states, strict=True):
+            for was, state in zip(earlier, states, strict=True):
                 seen["lost before it began"] += (was, state) == (AWAITED, LOST)
                 seen["whole after it was awaited"] += clocks > 1 and was in (AWAITED, FOLLOWED) and state == WHOLE
             ended += bool(out["lost_o"]) or (bool(out["whole_o"]) and clocks > LATENCY and rows > 10)

@@ -23,33 +23,39 @@ STARTS = 60
 CLOCKS = 4000
 ENDS = {"all rows, cancelled", "all rows, lost", "rows missing, lost"}
 """Ends of live passes that must be met."""
+TALL = 3
+"""Number of the start whose image is as tall as a register can tell."""
 PATIENCE = 400
 """Clocks without a row after which a host cancels: what a row or an end waits for may never come."""
 
 
 def _enough(seen: Mapping[str, int]) -> bool:
     """Whether every end has been seen, and stalls, rows and tails often."""
-    return (min(seen.get(name, 0) for name in ("stall_o", "row_o", "tail_o")) > 5
+    return (min(seen.get(name, 0) for name in ("stall_o", "row_o", "tail_o", "reset among rows")) > 5
             and {f"status {n}" for n in (0, 1, 4, CANCELLED, LOST)} | ENDS <= seen.keys())
 
 
-def _host(rng: random.Random, seen: Mapping[str, int]) -> Stimulus:
+def _host(rng: random.Random, seen: dict[str, int]) -> Stimulus:
     """Starts and cancels at any time; plan, feed, room, frames and sink answer after any time; a reset now and then."""
     for number in lasting(STARTS, 10 * STARTS, lambda: _enough(seen)):
         job = {**any_job(rng, TINY_DENSE, 48), "step_y": rng.choice((1, 1, 2, 3, 5, 255))}
         room, height, words = ready_pattern(rng.choice(SHAPES), rng), rng.randint(8, 20), rng.randint(1, 48)
         status, planned, cancel = rng.choice((0, 0, 0, 1, 4)), rng.randint(3, 20), rng.choice((0.0, 0.0, 0.005, 0.05))
-        quiet, reset = 0, rng.randint(1, 300) if number % 16 == 9 else -1
+        quiet, reset, rows = 0, rng.randint(1, 300) if number % 8 == 1 else -1, 0
         there = ready_pattern(rng.choice(SHAPES), rng)
         # When both frames are whole, and when one is lost; a pass over frames that are there waits for none.
         whole = rng.choice((0, 0, rng.randint(1, 300), 10 * PATIENCE))
         lost = rng.randint(1, 300) if whole and rng.random() < 0.4 else 10 * PATIENCE
+        if number == TALL:
+            height, status, cancel, whole, job["step_y"] = rng.randint(513, 1023), 0, 0.0, 0, 255
         out = yield {"start_i": 1, "job_i": pack_start(job), "image_width_i": 48, "image_height_i": height,
                      "cancel_i": rng.getrandbits(1)}
         clock = 0
         while not out["done_o"] and clock != reset:
             clock += 1
             quiet = 0 if out["row_o"] or out["reserve_o"] else quiet + 1
+            rows += out["row_o"] or 0
+            seen["reset among rows"] = seen.get("reset among rows", 0) + (clock == reset and 0 < rows < height)
             now = clock >= min(whole, lost)
             ends = {"whole_i": int(now and whole <= lost), "lost_i": int(now and lost < whole),
                     "there_i": int(next(there) or whole == 0 or now), "keep_i": rng.getrandbits(2)}

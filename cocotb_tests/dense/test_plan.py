@@ -31,11 +31,12 @@ def _starts(rng: random.Random, jobs: list[dict[str, int]], seen: list[int]) -> 
     for number in lasting(JOBS, 10 * JOBS, lambda: set(seen) == set(range(5))):
         size = rng.randint(34, 640), rng.choice((16, 34, 480, rng.randint(34, 480)))
         job = (bad_job if number % 3 == 0 else any_job)(rng, DENSE, size[0])
-        jobs.append(job)
         job["live"] = rng.getrandbits(1)
-        here = rng.choice((3, 3, rng.getrandbits(2)))
+        valid, here = rng.choice((7, 7, 255, rng.getrandbits(8))), rng.choice((3, 3, rng.getrandbits(2)))
+        if number % 12 == 5:  # a slot that the board has not, although its bits say that it holds a frame
+            job[rng.choice(("left_slot", "right_slot"))], valid, here = rng.randint(DENSE.slots, 7), 255, 3
+        jobs.append(job)
         held = {"job_i": pack_start(job), "image_width_i": size[0], "image_height_i": size[1]}
-        valid = rng.choice((7, 7, 255, rng.getrandbits(8)))
         out = yield {**held, "start_i": 1, "slot_valid_i": valid}
         cut = rng.randint(1, 20) if number % 10 == 9 else -1
         out = yield {**held, "slot_valid_i": rng.getrandbits(8), "here_i": rng.getrandbits(2)}

@@ -17,11 +17,12 @@
 //   2      states, here_o and keep_o; rows of the plane's frame
 //   3      has the frame its row
 //   4      there_o, whole_o, lost_o
-// Latency    : progress_i to there_o 4 clocks, to keep_o 2; row_i to there_o of the next row 3; begin_i to here_o 1, to there_o 3.
+// Latency    : progress_i to there_o 4 clocks, to keep_o 2; row_i to there_o of the next row 3; begin_i to here_o 1, to there_o
+//              3.
 // Throughput : rows 3 clocks apart or more.
 // Rules      : begin_i with or after the job, which is constant while reading_i is high: from begin_i on, until no word is
-//              read any more. row_i only with there_o of that row in the clock before. While a camera is writing, the rows it
-//              has written do not become fewer.
+//              read any more. Between passes reading_i is low for 3 clocks or more. row_i only with there_o of that row in
+//              the clock before. While a camera is writing, the rows it has written do not become fewer.
 // Formats    : here_o and keep_o: [0] left, [1] right plane. keep_o: no capture may begin to write the plane's slot; low
 //              while it is awaited. Where live_i is low: there_o and whole_o high, lost_o low, keep_o high.
 // Reset      : rst_i is held for 1 clock or more.
@@ -86,22 +87,21 @@ module slog_dense_live
     end
   end
   assign waits = awaited_q | followed_q;
+  // Without a pass, or a live one, nobody looks at awaited_q.
   always_ff @(posedge clk_i) begin
-    rows_q <= rows;
+    rows_q    <= rows;
+    awaited_q <= {2{!clear_q}} & asked & ~writes & (awaited_q | {2{begin_i}});
     if (rst_i || !reading_i || !live_i) begin
-      awaited_q  <= '0;
       followed_q <= '0;
       whole_q    <= '0;
       lost_q     <= '0;
       here_q     <= '0;
     end else if (begin_i) begin
-      awaited_q  <= {2{!clear_q}} & asked & ~writes & ~done;
       followed_q <= {2{!clear_q}} & asked & writes & ~done;
       whole_q    <= {2{!clear_q}} & (done | (~asked & holds));
       lost_q     <= '0;
       here_q     <= {2{!clear_q}} & (asked | holds);
     end else begin
-      awaited_q  <= awaited_q & {2{!clear_q}} & asked & ~writes & ~done;
       followed_q <= waits & {2{!clear_q}} & asked & writes & ~done;
       whole_q    <= whole_q | (waits & done);
       lost_q     <= lost_q | (waits & ~done & ({2{clear_q}} | ~asked | (followed_q & ~writes)));

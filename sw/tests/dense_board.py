@@ -108,12 +108,12 @@ def main(argv: list[str] | None = None) -> int:
         late = []
         for live in (False, True):
             job = DenseJob(0, 1, DensePass(DENSE.dense_windows[0], DENSE.dense_offsets), check=True, live=live)
-            whole, taken, found = clocks_after(verilated, job, frames)
+            stored, taken, found = clocks_after(verilated, job, frames)
             golden.capture_pair((0, 1), frames)
             differ = _differences(golden.dense(job), found)
-            late.append(taken - whole)
+            late.append(taken - stored)
             pixels, wrong = pixels + found.index.size, wrong + differ
-            print(f"  {'live' if live else 'not live'}: {differ} values differ; {whole} clocks after the cameras' last "
+            print(f"  {'live' if live else 'not live'}: {differ} values differ; {stored} clocks after the cameras' last "
                   f"pixel the frames are whole, {taken} after it the map ends", flush=True)
     print(f"a live map ends {late[1]} clocks after its frames (bar {ENDS}), another one {late[0]}")
     print(f"{pixels} pixels compared, {wrong} values differ; a pass of {DENSE.dense_offsets} offsets: "
