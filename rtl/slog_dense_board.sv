@@ -238,7 +238,8 @@ module slog_dense_board
       .GroupBits(GroupBits),
       .Slots(Slots),
       .SlotWords(SlotWords),
-      .WordsPerRow(WordsPerRow)
+      .WordsPerRow(WordsPerRow),
+      .Progress(1'b1)
   ) u_capture (
       .clk_i        (store_clk),
       .rst_i        (rst),

@@ -300,4 +300,5 @@ async def second_queue_full(dut) -> None:
 @pytest.mark.parametrize("cameras", [2, 1])
 def test_capture(cameras: int) -> None:
     simulate("slog_capture", __name__,
-             {"Cameras": cameras, "GroupBits": 8, "Slots": 6, "SlotWords": 15, "WordsPerRow": 5})
+             {"Cameras": cameras, "GroupBits": 8, "Slots": 6, "SlotWords": 15, "WordsPerRow": 5,
+              "Progress": 1})

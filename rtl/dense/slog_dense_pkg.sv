@@ -68,7 +68,7 @@ package slog_dense_pkg;
     DenseOk         = 3'd0,
     DenseBadWindow  = 3'd1,  // not a built size, or larger than the image in a direction
     DenseBadOffsets = 3'd2,  // none, or more than built
-    DenseBadSlot    = 3'd3,  // slot not on this board, or without a frame and, in a live pass, without a request for one
+    DenseBadSlot    = 3'd3,  // slot not on this board, or without a frame and, in a live pass, a request for one
     DenseBadStep    = 3'd4,  // a step of 0
     DenseCancelled  = 3'd5,  // the map ended early, or a frame of a live pass was not whole when the pass ended
     DenseLost       = 3'd6   // a frame of a live pass did not become whole: the map is not to be used

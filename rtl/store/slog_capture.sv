@@ -13,7 +13,7 @@
 //              slot is valid 5 + Hops clocks after frame_done_i (Hops = 2). A command takes effect after 2
 //              clocks, when armed_o and refused_o show its outcome.
 // Throughput : one word per clock into the store.
-// Progress   : progress_o tells of each camera how far its slot is written: see progress_t. A word of a row that it counts in
+// Progress   : with Progress, progress_o tells of each camera how far its slot is written: see progress_t. A word of a row that it counts in
 //              clock t is written by wr_valid_o of clock t + 2 at the latest.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
@@ -25,6 +25,7 @@ module slog_capture
     parameter  int unsigned Slots       = 6,
     parameter  int unsigned SlotWords   = 4800,
     parameter  int unsigned WordsPerRow = 10,
+    parameter  bit          Progress    = 1'b0,  // progress_o is used
     localparam int unsigned AddrW       = $clog2(Slots * SlotWords)
 ) (
     input  logic                              clk_i,
@@ -137,7 +138,8 @@ module slog_capture
         .SlotWords(SlotWords),
         .WordsPerRow(WordsPerRow),
         .Depth(Depth),
-        .Hops(Hops)
+        .Hops(Hops),
+        .Progress(Progress)
     ) u_channel (
         .clk_i,
         .rst_i,

@@ -31,6 +31,7 @@ module slog_capture_channel
     parameter  int unsigned WordsPerRow = 10,
     parameter  int unsigned Depth       = 4,
     parameter  int unsigned Hops        = 2,
+    parameter  bit          Progress    = 1'b0,
     localparam int unsigned AddrW       = $clog2(Slots * SlotWords)
 ) (
     input  logic                 clk_i,
@@ -61,7 +62,7 @@ module slog_capture_channel
     output logic                 clear_o,         // clear the valid bit of the slot in slot_mask_o
     output logic                 set_o,           // set that valid bit
     output logic                 finish_o,        // set_o is for a new frame
-    output progress_t            progress_o
+    output progress_t            progress_o       // 0 without Progress
 );
   // Clocks from start to the decision. In clock 2 the valid bit is cleared, while slog_fetch, one register later, may still
   // check a job against the old bit; such a job marks the slot busy in that clock. Through two registers, of slog_capture
@@ -83,7 +84,6 @@ module slog_capture_channel
   logic [AddrW-1:0] addr_q, next_row_q, base_q, base_row_q, slot_base;
   logic [Depth:0] level_q;                           // words in the queue, one-hot
   logic up, down;
-  logic [9:0] pushed_q, rows_q;                      // rows of the frame that have entered the queue, and left it
 
   assign start       = wait_q && frame_start_q && !ask_i && !cancel_i;
   assign held        = !cancel_i && (arm_i || (held_q && !finish_q));
@@ -187,23 +187,28 @@ module slog_capture_channel
     end
   end
 
-  // A row has left when the queue is empty that it has entered.
-  always_ff @(posedge clk_i) begin
-    if (rst_i || wait_q) begin
-      pushed_q <= '0;
-      rows_q   <= '0;
-    end else begin
-      if (push_q && last_q2) pushed_q <= pushed_q + 1'b1;
-      if (level_q[0]) rows_q <= pushed_q;
+  if (Progress) begin : g_progress
+    logic [9:0] pushed_q, rows_q;  // rows of the frame that have entered the queue, and left it
+    // A row has left when the queue is empty that it has entered.
+    always_ff @(posedge clk_i) begin
+      if (rst_i || wait_q) begin
+        pushed_q <= '0;
+        rows_q   <= '0;
+      end else begin
+        if (push_q && last_q2) pushed_q <= pushed_q + 1'b1;
+        if (level_q[0]) rows_q <= pushed_q;
+      end
     end
+    assign progress_o = '{
+            held: held_q,
+            writing: writing_q || finishing_q,
+            done: finish_q,
+            slot: slot_q & {3{held_q}},
+            rows: rows_q
+        };
+  end else begin : g_no_progress
+    assign progress_o = '0;
   end
-  assign progress_o = '{
-          held: held_q,
-          writing: writing_q || finishing_q,
-          done: finish_q,
-          slot: slot_q & {3{held_q}},
-          rows: rows_q
-      };
 
   `SLOG_ASSERT(SlogCaptureLevel, $onehot(level_q))
   `SLOG_ASSERT(SlogCaptureDone, !finish_q || finishing_q)

@@ -195,7 +195,7 @@ PROOFS: tuple[Proof, ...] = (
     Proof("dense_live_covers", "slog_dense_live", "cover", 24, rules=("dense_live",), assumed=("*SlogDenseLiveRows",),
           quick=False),
     Proof("capture_channel", "slog_capture_channel", "prove", 6,
-          {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2},
+          {"GroupBits": 2, "Slots": 2, "SlotWords": 4, "WordsPerRow": 2, "Progress": 1},
           assumed=("SlogCaptureRoom", "SlogCaptureWaits", "SlogCaptureArmWhenFree", "SlogCaptureNoEarlyWord")),
 )
 

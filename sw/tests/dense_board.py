@@ -113,8 +113,8 @@ def main(argv: list[str] | None = None) -> int:
             differ = _differences(golden.dense(job), found)
             late.append(taken - stored)
             pixels, wrong = pixels + found.index.size, wrong + differ
-            print(f"  {'live' if live else 'not live'}: {differ} values differ; {stored} clocks after the cameras' last "
-                  f"pixel the frames are whole, {taken} after it the map ends", flush=True)
+            print(f"  {'live' if live else 'not live'}: {differ} values differ; the frames are whole {stored} clocks "
+                  f"after the cameras' last pixel, the map ends {taken} after it", flush=True)
     print(f"a live map ends {late[1]} clocks after its frames (bar {ENDS}), another one {late[0]}")
     print(f"{pixels} pixels compared, {wrong} values differ; a pass of {DENSE.dense_offsets} offsets: "
           f"{fastest:.2f} s (bar {SECONDS:g}), {share:.1%} of its clocks yield a pixel (bar {SHARE:.0%})")
