@@ -16,7 +16,7 @@ from golden.cycle.dense.block import DenseBlockModel
 from golden.cycle.dense.structs import BAD_SLOT, CANCELLED, LOST, NO_SUM, OK
 from golden.params import TINY_DENSE
 from golden.traffic.dense_block import DenseBlockTraffic, PassOutcome, Start, any_job, bad_job, build_of, verify
-from golden.traffic.live import FATES, Request
+from golden.traffic.live import FATES, CameraRequest
 from golden.traffic.stalls import SHAPES
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
@@ -155,12 +155,12 @@ def _live(rng: random.Random, easy: bool = False) -> tuple[Start, set[str]]:
     pace = rng.choice(list(PACES))
     cases = {pace, *(name for name, met in (("down", job["down"] > 0), ("up", job["down"] < 0),
                                             ("step", job["step_y"] > 1)) if met)}
-    requests: list[Request | None] = [None, None]
+    requests: list[CameraRequest | None] = [None, None]
     before = rng.choice((0, 0, 25, 300))
     for c, slot in enumerate(slots):
         if rng.random() < (0.9 if len(slots) == 2 else 1.0):
             fate = "whole" if easy or rng.random() < 0.7 else rng.choice(FATES)
-            requests[c] = Request(slot, size[1], PACES[pace], rng.choice((0, 30, 200, 1500)), fate,
+            requests[c] = CameraRequest(slot, size[1], PACES[pace], rng.choice((0, 30, 200, 1500)), fate,
                                   rng.randint(0, size[1]), rng.choice((0, 40, 40 if before else None)), 5 + c)
     asked = {one.slot for one in requests if one}
     old = {slot: 1 - planes[slot] for slot in asked if rng.random() < 0.5}
@@ -230,7 +230,7 @@ async def live_ends_soon(dut) -> None:
     rng = random.Random(cocotb.RANDOM_SEED)
     job = {**EASY, "live": 1}
     for late in (0, 1):
-        requests = [Request(slot, 12, (120, 120), 400 + 60 * (slot == late)) for slot in (0, 1)]
+        requests = [CameraRequest(slot, 12, (120, 120), 400 + 60 * (slot == late)) for slot in (0, 1)]
         start = Start(job, _planes(rng, (20, 12), job), (20, 12), requests=(requests[0], requests[1]))
         traffic = DenseBlockTraffic([start], TINY_DENSE, rng)
         await drive(dut, DenseBlockModel.INPUTS, DenseBlockModel.OUTPUTS, traffic.stimulus())

@@ -15,7 +15,7 @@ from golden.cycle.dense.live import ABSENT, AWAITED, FOLLOWED, LOST, WHOLE, Dens
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.capture_channel import PROGRESS
 from golden.traffic.lasting import lasting
-from golden.traffic.live import FATES, Request, Shown, camera
+from golden.traffic.live import FATES, CameraRequest, Shown, camera
 from sim.coverage.record import met
 from sim.testbench.runner import simulate
 
@@ -33,7 +33,7 @@ class Cameras:
 
     def __init__(self, rng: random.Random, seen: Counter[str]) -> None:
         self.rng, self.seen, self.valid = rng, seen, rng.getrandbits(4)
-        self.requests: list[Request | None] = [None, None]
+        self.requests: list[CameraRequest | None] = [None, None]
         self.running: list[Generator[Shown, bool, None] | None] = [None, None]
         self.kept = 0  # slots that the pass keeps
 
@@ -44,7 +44,7 @@ class Cameras:
             return
         rng = self.rng
         rows = rng.randint(1, 12)
-        request = Request(rng.choice(slots), rows, rng.choice(((1, 1), (1, 9), (9, 30))), rng.choice((0, 3, 40)),
+        request = CameraRequest(rng.choice(slots), rows, rng.choice(((1, 1), (1, 9), (9, 30))), rng.choice((0, 3, 40)),
                           rng.choice((*FATES, "whole", "whole", "whole")), rng.randint(0, rows),
                           rng.choice((0, 20)), 6 + c)
         running = camera(request, rng)

@@ -23,7 +23,7 @@ from golden.cycle.store.store import STORE_LATENCY
 from golden.dense import DensePass, dense
 from golden.dense_job import STEP_MAX, DenseJob, DenseResult, DenseStatus, check_dense, judge
 from golden.params import Config
-from golden.traffic.live import Arrivals, Request
+from golden.traffic.live import Arrivals, CameraRequest
 from golden.traffic.stalls import ready_pattern
 from golden.traffic.store import plane_words
 
@@ -61,7 +61,7 @@ class Start:
     cancel: int | None = None
     reset: int | None = None
     sink: str = "none"
-    requests: tuple[Request | None, Request | None] = (None, None)
+    requests: tuple[CameraRequest | None, CameraRequest | None] = (None, None)
     old: Mapping[int, Plane] = field(default_factory=dict)
     before: int = 0
     clear: int | None = None

@@ -21,7 +21,7 @@ READABLE = 4
 
 
 @dataclass
-class Request:
+class CameraRequest:
     """What a camera does with one request.
 
     Attributes:
@@ -66,7 +66,7 @@ def _progress(slot: int, rows: int, writing: bool, done: bool = False) -> int:
     return PROGRESS.pack({"held": 1, "writing": writing, "done": done, "slot": slot, "rows": rows})
 
 
-def camera(request: Request, rng: random.Random) -> Generator[Shown, bool, None]:
+def camera(request: CameraRequest, rng: random.Random) -> Generator[Shown, bool, None]:
     """The clocks of one request, until it is gone. Sent back is whether the slot is kept by a pass: a frame that would
     begin then gives way."""
     slot, first, struck = request.slot, True, False  # struck: its fate has happened
@@ -124,8 +124,9 @@ class Arrivals:
         rng: of the cameras' pace.
     """
 
-    def __init__(self, requests: Sequence[Request | None], frames: Mapping[int, Plane], others: Mapping[int, Plane],
-                 held: Mapping[int, Plane], write: Callable[[int, int, Plane], None], rng: random.Random) -> None:
+    def __init__(self, requests: Sequence[CameraRequest | None], frames: Mapping[int, Plane],
+                 others: Mapping[int, Plane], held: Mapping[int, Plane], write: Callable[[int, int, Plane], None],
+                 rng: random.Random) -> None:
         self.frames, self.others, self.held = frames, others, dict(held)
         self._write = write
         self._cameras = [(one.slot, camera(one, rng)) for one in requests if one]

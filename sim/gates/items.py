@@ -73,6 +73,7 @@ ITEMS = (
     GateItem("dense_block", "dense/test_block.py"),
     GateItem("dense_control", "control/test_dense_control.py"),
     GateItem("dense_board", "test_dense_board.py"),
+    GateItem("dense_live_board", "test_dense_live.py"),
     GateItem("correlator", "correlator/test_correlator.py"),
     GateItem("board", "test_board.py", ("test_board",), "clocks are gated in the fast simulation build only"),
     GateItem("board_races", "test_board_races.py"),

@@ -53,6 +53,7 @@ _FILES = {
     "control.test_control": "slog_control slog_filter_bank",
     "control.test_dense_control": "slog_dense_control",
     "test_board": "slog_board slog_reset", "test_dense_board": "slog_dense_board",
+    "test_dense_live": "slog_dense_board",
 }
 TESTS: Mapping[str, tuple[str, ...]] = {
     module: tuple(f"cocotb_tests.{file}" for file, modules in _FILES.items() if module in modules.split())

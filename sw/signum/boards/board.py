@@ -5,6 +5,8 @@ A back end (golden model, Verilated RTL, later a real board) implements the unde
 same calls, every back end returns the same bits. What a caller hands over is checked here, before it reaches a back
 end, so that bad calls fail alike on all of them.
 
+Over 400 lines: one class, of which a caller and a back end each read the half that is theirs.
+
 Units: pixels of the board's image, x to the right, y down, (0, 0) the top left pixel; clocks are clocks of the board.
 """
 
