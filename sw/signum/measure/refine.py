@@ -68,7 +68,8 @@ class Refined:
     shear_error: float
 
 
-def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[int, int]) -> Refined:
+def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[int, int], along: float = ALONG,
+           wide: float = WIDE, steep: float = SLOPE) -> Refined:
     """Fit a similarity and a slope.
 
     Args:
@@ -76,18 +77,21 @@ def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[in
         start: about right.
         pixel: size of a pixel of the board, pixels.
         size: width and height of the pictures, pixels.
+        along: scale along the baseline, pixels of the board.
+        wide: factor on both scales that it begins with.
+        steep: standard deviation of the slope; 0 for none.
     """
     a, b = np.asarray(p @ [1, 1j], np.complex128), np.asarray(q @ [1, 1j], np.complex128)
     middle = complex(a.mean())
     way, moved = baseline(start, ((size[0] - 1) / 2, (size[1] - 1) / 2))
-    deviation = max(SLOPE * moved / max(size), FLATTEST)
+    deviation = max(steep * moved / max(size), FLATTEST)
     # Real equations, in units of the scales: n along the baseline, n across it. Unknowns: translation, factor, slope.
-    columns, seen = _equations(a - middle, b, way, pixel)
+    columns, seen = _equations(a - middle, b, way, along * pixel, ACROSS * pixel)
     prior = np.diag([0.0, 0.0, 0.0, 0.0, 1.0, 1.0]) * OVERLAPPING / deviation**2
     there = start.factor * middle + start.shift
     values = np.array([there.real, there.imag, start.factor.real, start.factor.imag, 0.0, 0.0])
     lever = np.array([1.0, 1.0, *[float(np.abs(a - middle).max())] * 4])
-    for scale in (WIDE, 1.0):
+    for scale in (wide, 1.0):
         for _ in range(ROUNDS):
             off = (columns @ values - seen) / scale
             weight = np.tile(1 / (1 + off[: len(a)] ** 2 + off[len(a):] ** 2) ** 2, 2)
@@ -98,7 +102,7 @@ def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[in
                 break
     off = columns @ values - seen
     agree = off[: len(a)] ** 2 + off[len(a):] ** 2 <= 1
-    miss = pixel * np.hypot(ALONG * off[: len(a)], ACROSS * off[len(a):])
+    miss = pixel * np.hypot(along * off[: len(a)], ACROSS * off[len(a):])
     rms = float(np.sqrt(np.mean(miss[agree] ** 2))) if agree.any() else 0.0
     shear, error = 0j, math.inf
     if int(agree.sum()) >= LEAST and _wide(a[agree], pixel):
@@ -115,13 +119,12 @@ def baseline(motion: Similarity, centre: tuple[float, float]) -> tuple[complex, 
     return (shift / abs(shift), abs(shift)) if abs(shift) > 0 else (1 + 0j, 0.0)
 
 
-def _equations(z: Complexes, b: Complexes, way: complex, pixel: float) -> tuple[Floats, Floats]:
+def _equations(z: Complexes, b: Complexes, way: complex, along: float, across: float) -> tuple[Floats, Floats]:
     """What the unknowns multiply, (2 n, 6), and where windows were seen, (2 n,): components along the baseline, then
-    across it."""
+    across it, in units of the scales."""
     turn = way.conjugate()
     one, none = np.full_like(z, turn), np.zeros_like(z)
     columns = np.stack([one, 1j * one, turn * z, 1j * turn * z, z.real + none, z.imag + none], axis=1)
-    along, across = ALONG * pixel, ACROSS * pixel
     return (np.concatenate([columns.real / along, columns.imag / across]),
             np.concatenate([(turn * b).real / along, (turn * b).imag / across]))
 

@@ -90,6 +90,7 @@ class Registration:
         rivals: other motions that enough windows agree on, the best first.
         shear: real and imaginary part of the shear beside the similarity; see `refine`.
         shear_error: standard error of each, `UNKNOWN` where they were not measured.
+        sloping: whether the slope of the floor was taken out of the similarity; see `surface`.
     """
 
     similarity: Similarity
@@ -108,6 +109,7 @@ class Registration:
     rivals: tuple[Rival, ...] = ()
     shear: tuple[float, float] = (0.0, 0.0)
     shear_error: float = UNKNOWN
+    sloping: bool = False
 
 
 @dataclass(frozen=True)
