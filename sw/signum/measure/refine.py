@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The motion of the surface that most of an overlap shows, from many small windows around a motion that is known.
+"""The motion of a rough floor that slopes, from many small windows around a motion that is known.
 
-Over relief the windows that agree within a wide tolerance are of many depths. A second look with smaller windows, more
-of them, each searched for near its place only, resolves the relief; a robust fit then follows the depth that most of
-the overlap has, as a person who lays one picture on the other would.
+Over relief the windows that agree within a wide tolerance are of many depths. Smaller windows, more of them, each
+searched for near its place only, resolve the relief; a robust fit then follows the depth that most windows around its
+start have. Of which depth that is where there are several, see `surface`.
 
 Height displaces what is seen along the line on which the camera has moved, the baseline, and never across it. So two
 things hold that an ordinary fit does not know. A window may miss its place by the relief along the baseline, but only

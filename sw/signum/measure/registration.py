@@ -31,7 +31,7 @@ class RegistrationLimits:
         fine_miss: half the distance, as a fraction of the fine windows' side, at which two places are different ones.
         windows: least number of agreeing fine windows.
         evidence: least evidence for a similarity, decades; see `likelihood`. One link in a thousand may be chance.
-        sure: evidence from which the closer look's windows are not asked as witnesses.
+        sure: evidence from which no smaller windows are asked as witnesses.
         reach: search range around a place predicted from the coarse step, pixels of the board.
         rules: of the fine measurements.
     """
@@ -86,7 +86,7 @@ class Registration:
         spread_px: their root-mean-square distance from it, original pixels.
         rms_px: of their distances from their places by the similarity, original pixels.
         evidence: that they agree for another reason than chance, decades, low peaks doubted and, where it was in doubt,
-            with that of the closer look; below 0 if chance explains them better.
+            with that of smaller windows; below 0 if chance explains them better.
         rivals: other motions that enough windows agree on, the best first.
         shear: real and imaginary part of the shear beside the similarity; see `refine`.
         shear_error: standard error of each, `UNKNOWN` where they were not measured.
