@@ -21,7 +21,7 @@ from signum.measure.refine import ACROSS, Refined, baseline, refine
 
 CLOSE = 1.75
 """Scale of the fit, along the baseline as across it, pixels of the board: one depth."""
-TRIES = 2000
+TRIES = 500
 """Pairs of windows of which each gives a motion."""
 APART = 0.5
 """Least distance of the two, of the windows' root-mean-square distance from their middle."""
@@ -71,19 +71,24 @@ def densest(p: Floats, q: Floats, about: Similarity, close: float) -> Similarity
     tried = (b[i] - b[j]) / (a[i] - a[j])
     factors = np.append(tried, about.factor)
     shifts = np.append(b[i] - tried * a[i], about.shift)
-    near = _weights(factors[:, None] * a + shifts[:, None] - b, close).sum(axis=1)
-    best = np.argsort(-near, kind="stable")[:KEPT]
-    factor, shift = factors[best, None], shifts[best, None]
+    near = _weights(factors[:, None], shifts[:, None], a, b, close).sum(axis=1)
+    best = np.argsort(-near, kind="stable")[:KEPT, None]
+    factor, shift = factors[best], shifts[best]
     for _ in range(ROUNDS):
-        weight = _weights(factor * a + shift - b, close) ** 2
-        whole = weight.sum(axis=1, keepdims=True)
-        here, there = (weight @ of[:, None] / whole for of in (a, b))
-        factor = ((weight * (a - here).conj() * (b - there)).sum(axis=1, keepdims=True)
-                  / (weight * np.abs(a - here) ** 2).sum(axis=1, keepdims=True))
+        weight = _weights(factor, shift, a, b, close) ** 2
+        weight /= weight.sum(axis=1, keepdims=True)
+        here, there = ((weight * of).sum(axis=1, keepdims=True) for of in (a, b))
+        apart = a - here
+        factor = ((weight * apart.conj() * (b - there)).sum(axis=1, keepdims=True)
+                  / (weight * (apart.real**2 + apart.imag**2)).sum(axis=1, keepdims=True))
         shift = there - factor * here
-    first = int(np.argmax(_weights(factor * a + shift - b, close).sum(axis=1)))
+    first = int(np.argmax(_weights(factor, shift, a, b, close).sum(axis=1)))
     return Similarity(complex(factor[first, 0]), complex(shift[first, 0]))
 
 
-def _weights(off: Complexes, close: float) -> Floats:
-    return np.asarray(1 / (1 + (np.abs(off) / close) ** 2), np.float64)
+def _weights(factor: Complexes, shift: Complexes, a: Complexes, b: Complexes, close: float) -> Floats:
+    """How close each motion, (k, 1), brings each window, (k, n): 1 if it meets its place, a half `close` from it."""
+    off = factor * a
+    off += shift
+    off -= b
+    return np.asarray(1 / (1 + (off.real**2 + off.imag**2) / close**2), np.float64)
