@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The motion of the surface that most of an overlap shows, from many small windows around a motion that is known.
+"""The motion of a rough floor that slopes, from many small windows around a motion that is known.
 
-Over relief the windows that agree within a wide tolerance are of many depths. A second look with smaller windows, more
-of them, each searched for near its place only, resolves the relief; a robust fit then follows the depth that most of
-the overlap has, as a person who lays one picture on the other would.
+Over relief the windows that agree within a wide tolerance are of many depths. Smaller windows, more of them, each
+searched for near its place only, resolve the relief; a robust fit then follows the depth that most windows around its
+start have. Of which depth that is where there are several, see `surface`.
 
 Height displaces what is seen along the line on which the camera has moved, the baseline, and never across it. So two
 things hold that an ordinary fit does not know. A window may miss its place by the relief along the baseline, but only
@@ -68,7 +68,8 @@ class Refined:
     shear_error: float
 
 
-def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[int, int]) -> Refined:
+def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[int, int], along: float = ALONG,
+           wide: float = WIDE, steep: float = SLOPE) -> Refined:
     """Fit a similarity and a slope.
 
     Args:
@@ -76,18 +77,21 @@ def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[in
         start: about right.
         pixel: size of a pixel of the board, pixels.
         size: width and height of the pictures, pixels.
+        along: scale along the baseline, pixels of the board.
+        wide: factor on both scales that it begins with.
+        steep: standard deviation of the slope; 0 for none.
     """
     a, b = np.asarray(p @ [1, 1j], np.complex128), np.asarray(q @ [1, 1j], np.complex128)
     middle = complex(a.mean())
     way, moved = baseline(start, ((size[0] - 1) / 2, (size[1] - 1) / 2))
-    deviation = max(SLOPE * moved / max(size), FLATTEST)
+    deviation = max(steep * moved / max(size), FLATTEST)
     # Real equations, in units of the scales: n along the baseline, n across it. Unknowns: translation, factor, slope.
-    columns, seen = _equations(a - middle, b, way, pixel)
+    columns, seen = _equations(a - middle, b, way, along * pixel, ACROSS * pixel)
     prior = np.diag([0.0, 0.0, 0.0, 0.0, 1.0, 1.0]) * OVERLAPPING / deviation**2
     there = start.factor * middle + start.shift
     values = np.array([there.real, there.imag, start.factor.real, start.factor.imag, 0.0, 0.0])
     lever = np.array([1.0, 1.0, *[float(np.abs(a - middle).max())] * 4])
-    for scale in (WIDE, 1.0):
+    for scale in (wide, 1.0):
         for _ in range(ROUNDS):
             off = (columns @ values - seen) / scale
             weight = np.tile(1 / (1 + off[: len(a)] ** 2 + off[len(a):] ** 2) ** 2, 2)
@@ -98,7 +102,7 @@ def refine(p: Floats, q: Floats, start: Similarity, pixel: float, size: tuple[in
                 break
     off = columns @ values - seen
     agree = off[: len(a)] ** 2 + off[len(a):] ** 2 <= 1
-    miss = pixel * np.hypot(ALONG * off[: len(a)], ACROSS * off[len(a):])
+    miss = pixel * np.hypot(along * off[: len(a)], ACROSS * off[len(a):])
     rms = float(np.sqrt(np.mean(miss[agree] ** 2))) if agree.any() else 0.0
     shear, error = 0j, math.inf
     if int(agree.sum()) >= LEAST and _wide(a[agree], pixel):
@@ -115,13 +119,12 @@ def baseline(motion: Similarity, centre: tuple[float, float]) -> tuple[complex, 
     return (shift / abs(shift), abs(shift)) if abs(shift) > 0 else (1 + 0j, 0.0)
 
 
-def _equations(z: Complexes, b: Complexes, way: complex, pixel: float) -> tuple[Floats, Floats]:
+def _equations(z: Complexes, b: Complexes, way: complex, along: float, across: float) -> tuple[Floats, Floats]:
     """What the unknowns multiply, (2 n, 6), and where windows were seen, (2 n,): components along the baseline, then
-    across it."""
+    across it, in units of the scales."""
     turn = way.conjugate()
     one, none = np.full_like(z, turn), np.zeros_like(z)
     columns = np.stack([one, 1j * one, turn * z, 1j * turn * z, z.real + none, z.imag + none], axis=1)
-    along, across = ALONG * pixel, ACROSS * pixel
     return (np.concatenate([columns.real / along, columns.imag / across]),
             np.concatenate([(turn * b).real / along, (turn * b).imag / across]))
 

@@ -36,6 +36,7 @@ from signum.measure.likelihood import nearby
 from signum.measure.measurer import Measurer, View
 from signum.measure.refine import refine
 from signum.measure.registration import UNKNOWN, Prepared, Registration, RegistrationLimits, Rival
+from signum.measure.surface import settle
 from signum.measure.validity import REASONS, Answers, Reason, Rules
 
 COARSE_SIDE = 160
@@ -47,14 +48,15 @@ COARSE_GRID = (7, 6)
 """Number of coarse windows across and down."""
 COARSE_REACH = 20
 """Search range of a second coarse vote around what the first one found, pixels of the coarse picture."""
-CLOSER = 0.75
-"""Side of the windows of the closer look, of those of the first."""
-CLOSER_REACH = 8
-"""Its search range, pixels of the board."""
-CLOSER_MOST = 192
-"""Most of its windows."""
-CLOSER_RULES = Rules(min_score=0.6, min_margin=0.0, backward=False, texture=False)
-"""Rules of the closer look, in which windows are where they are known to be."""
+WITNESS = 0.75, 192, 8
+"""Windows of which a doubtful registration is asked: side, of that of the first look's; most of them; search range,
+pixels of the board."""
+DETAIL = 0.5, 400, 12
+"""The same of those that tell the motion of an accepted one; the depths of an overlap may lie further apart."""
+FEWEST = 8
+"""Least number of these that tell it."""
+SMALL_RULES = Rules(min_score=0.6, min_margin=0.0, backward=False, texture=False)
+"""Rules of both, since windows are where they are known to be."""
 ANYTHING = Rules(min_score=0.0, min_margin=-1.0, backward=False, texture=False)
 """Rules of the coarse search: every window may vote."""
 
@@ -144,33 +146,54 @@ class Registrar:
         return self._closer(a, b, result) if result.agreed >= self.limits.windows else result
 
     def _closer(self, a: Prepared, b: Prepared, seen: Registration) -> Registration:
-        """The registration with the motion that many small windows around it agree on, if they do.
+        """The registration after two more looks: where it is in doubt, at many smaller windows, which are witnesses of
+        their own, because few of them agree by chance; where it is accepted, at yet smaller ones, which tell the motion
+        of the surface that most of the overlap shows."""
+        if seen.evidence < self.limits.sure:
+            seen = self._doubted(a, b, seen)
+        return self._settled(a, b, seen) if seen.accepted else seen
 
-        They are also witnesses of their own: few of them agree by chance.
-        """
-        measurer, (view, turn) = self._warped(a, self._turn(seen.similarity))
-        onward = seen.similarity @ turn.inverse
-        window = max(24, round(CLOSER * self._overlap(onward, turn)[0]))
-        centres = self._inside(onward, turn, window, CLOSER_MOST)
-        if len(centres) < 4:
+    def _doubted(self, a: Prepared, b: Prepared, seen: Registration) -> Registration:
+        window, at, p, q = self._small(a, b, seen.similarity, *WITNESS)
+        if len(at) < 4:
             return seen
-        live = measurer.view(b.fine)
-        at, answers = self._search(measurer, view, live, centres, onward, window, CLOSER_REACH, CLOSER_RULES)
-        measurer.release(live)
-        keep = np.flatnonzero(answers.valid)
-        if len(keep) < 4:
+        if len(p) < 4:
             return self._witnessed(seen, at[:0], at, window)
-        p = turn.inverse(self.fine.to_source(at[keep]))
-        q = self.fine.to_source(at[keep] + answers.moved[keep])
         found = refine(p, q, seen.similarity, max(self.fine.factor), self.fine.source)
-        seen = self._witnessed(seen, at[keep][found.agree], at, window)
-        if found.agree.sum() < 4:
+        return self._witnessed(seen, at[: len(p)][found.agree], at, window)
+
+    def _settled(self, a: Prepared, b: Prepared, seen: Registration) -> Registration:
+        _, _, p, q = self._small(a, b, seen.similarity, *DETAIL)
+        if len(p) < FEWEST:
+            return seen
+        found, sloping = settle(p, q, seen.similarity, max(self.fine.factor), self.fine.source)
+        if found.agree.sum() < FEWEST:
             return seen
         middle = p[found.agree].mean(axis=0)
         spread = float(np.sqrt(((p[found.agree] - middle) ** 2).sum(axis=1).mean()))
         return replace(seen, similarity=found.similarity, shift=self._shift(found.similarity),
                        middle=(float(middle[0]), float(middle[1])), spread_px=spread, rms_px=found.rms_px,
-                       shear=(found.shear.real, found.shear.imag), shear_error=min(UNKNOWN, found.shear_error))
+                       shear=(found.shear.real, found.shear.imag), shear_error=min(UNKNOWN, found.shear_error),
+                       sloping=sloping)
+
+    def _small(self, a: Prepared, b: Prepared, about: Similarity, share: float, most: int, reach: int
+               ) -> tuple[int, Floats, Floats, Floats]:
+        """Windows of a share of the side of the first look's around a motion: their side; the centres of all that were
+        tried, those found first; and where these are in both pictures, original pixels."""
+        measurer, (view, turn) = self._warped(a, self._turn(about))
+        onward = about @ turn.inverse
+        window = max(24, round(share * self._overlap(onward, turn)[0]))
+        centres = self._inside(onward, turn, window, most)
+        if len(centres) < 4:
+            none = np.zeros((0, 2))
+            return window, none, none, none
+        live = measurer.view(b.fine)
+        at, answers = self._search(measurer, view, live, centres, onward, window, reach, SMALL_RULES)
+        measurer.release(live)
+        found = answers.valid
+        p = turn.inverse(self.fine.to_source(at[found]))
+        q = self.fine.to_source(at[found] + answers.moved[found])
+        return window, np.concatenate([at[found], at[~found]]), p, q
 
     def _witnessed(self, seen: Registration, agreeing: Floats, tried: Floats, window: int) -> Registration:
         """A doubtful registration with the evidence of the closer look's windows. Where it has rivals, which have none,

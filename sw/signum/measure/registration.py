@@ -31,7 +31,7 @@ class RegistrationLimits:
         fine_miss: half the distance, as a fraction of the fine windows' side, at which two places are different ones.
         windows: least number of agreeing fine windows.
         evidence: least evidence for a similarity, decades; see `likelihood`. One link in a thousand may be chance.
-        sure: evidence from which the closer look's windows are not asked as witnesses.
+        sure: evidence from which no smaller windows are asked as witnesses.
         reach: search range around a place predicted from the coarse step, pixels of the board.
         rules: of the fine measurements.
     """
@@ -86,10 +86,11 @@ class Registration:
         spread_px: their root-mean-square distance from it, original pixels.
         rms_px: of their distances from their places by the similarity, original pixels.
         evidence: that they agree for another reason than chance, decades, low peaks doubted and, where it was in doubt,
-            with that of the closer look; below 0 if chance explains them better.
+            with that of smaller windows; below 0 if chance explains them better.
         rivals: other motions that enough windows agree on, the best first.
         shear: real and imaginary part of the shear beside the similarity; see `refine`.
         shear_error: standard error of each, `UNKNOWN` where they were not measured.
+        sloping: whether the slope of the floor was taken out of the similarity; see `surface`.
     """
 
     similarity: Similarity
@@ -108,6 +109,7 @@ class Registration:
     rivals: tuple[Rival, ...] = ()
     shear: tuple[float, float] = (0.0, 0.0)
     shear_error: float = UNKNOWN
+    sloping: bool = False
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,9 @@ Mask = NDArray[np.bool_]
 
 LEAST_WINDOWS = 3
 """Least number of windows of a blob."""
-NEAR_RULES = replace(STEREO_RULES, max_return_px=1.0)
-"""For disparities: a window on the outline of a fish may match the fish or its background; contiguity decides."""
+NEAR_RULES = replace(STEREO_RULES, min_margin=0.02, max_return_px=1.0)
+"""For disparities: a fish fills few windows, and one on its outline may match the fish or its background. Contiguity
+decides."""
 FLOW_RULES = Rules(min_score=0.62, min_margin=0.03, backward=False, texture=False)
 """For flow: isolated wrong measurements are rejected by contiguity."""
 SAME_RANGE = 0.08

@@ -28,7 +28,7 @@ class Edge:
         similarity: original pixels of a -> of b.
         centre: of the frames, original pixels; `shift` of the table is measured there.
         middle, spread_px, rms_px, score, margin, agreed, tried, accepted, reason, evidence: see `Registration`.
-        shear: see `Registration`; shear_error, rivals: the same.
+        shear: see `Registration`; shear_error, rivals, sloping: the same.
         spread_px: 0 where rotation and scale were not measured.
     """
 
@@ -50,13 +50,14 @@ class Edge:
     shear: tuple[float, float] = (0.0, 0.0)
     shear_error: float = UNKNOWN
     rivals: tuple[Rival, ...] = ()
+    sloping: bool = False
 
     @classmethod
     def of(cls, a: str, b: str, kind: str, centre: tuple[float, float], r: Registration, reason: str = "") -> Edge:
         """From a registration of frame `a` in frame `b`; a `reason` refuses what the registrar accepted."""
         return cls(a, b, kind, r.similarity, centre, r.score, r.margin, r.accepted and not reason, r.middle,
                    r.spread_px if r.turning else 0.0, r.rms_px, r.agreed, r.tried, reason or r.reason, r.evidence,
-                   r.shear, r.shear_error if r.turning else UNKNOWN, r.rivals)
+                   r.shear, r.shear_error if r.turning else UNKNOWN, r.rivals, r.sloping)
 
     @property
     def sheared(self) -> bool:
@@ -73,7 +74,7 @@ class Edge:
         others = (own, *(other for other in self.rivals if other is not r))
         return replace(self, similarity=r.similarity, score=r.score, margin=r.margin, agreed=r.agreed, middle=r.middle,
                        spread_px=r.spread_px if r.turning else 0.0, rms_px=r.rms_px, evidence=r.evidence,
-                       shear=(0.0, 0.0), shear_error=UNKNOWN, rivals=others)
+                       shear=(0.0, 0.0), shear_error=UNKNOWN, rivals=others, sloping=False)
 
     @property
     def shift(self) -> tuple[float, float]:

@@ -29,9 +29,9 @@ from signum.common.files import own_bytes
 from signum.geometry.similarity import Similarity
 from signum.measure.registration import Registration, Rival
 
-MATCH = "match"
-"""Begins the line of a registration whose similarity leaves a slope of the floor out (`measure.refine`), and whose
-evidence doubts low peaks and asks small windows (`measure.likelihood`)."""
+MATCH = "motion"
+"""Begins the line of a registration whose similarity is that of the surface that most of an overlap shows
+(`measure.surface`), and whose evidence doubts low peaks and asks small windows (`measure.likelihood`)."""
 Key = tuple[int, int, tuple[float, ...] | None, int | None]
 """A registration's question: the frames' numbers, the guess as 4 numbers, the reach."""
 
@@ -221,7 +221,7 @@ def _values(found: Registration | Rival) -> list[object]:
     s = found.similarity
     rest = [getattr(found, field.name) for field in fields(found)[1:]]
     if isinstance(found, Registration):
-        rest[-3] = [_values(rival) for rival in found.rivals]
+        rest[-4] = [_values(rival) for rival in found.rivals]
     return [[s.factor.real, s.factor.imag, s.shift.real, s.shift.imag], *rest]
 
 
@@ -232,11 +232,11 @@ def _registration(values: list[Any]) -> Registration:
         ValueError, TypeError: if it is none.
     """
     (similarity, shift, score, margin, agreed, tried, accepted, reason, turning, middle, spread, rms, evidence,
-     rivals, shear, shear_error) = values
+     rivals, shear, shear_error, sloping) = values
     _check(*shift, score, margin, *middle, spread, rms, evidence, *shear, shear_error)
     return Registration(_similarity(similarity), (shift[0], shift[1]), score, margin, int(agreed), int(tried),
                         bool(accepted), str(reason), bool(turning), (middle[0], middle[1]), spread, rms, evidence,
-                        tuple(_rival(rival) for rival in rivals), (shear[0], shear[1]), shear_error)
+                        tuple(_rival(rival) for rival in rivals), (shear[0], shear[1]), shear_error, bool(sloping))
 
 
 def _rival(values: list[Any]) -> Rival:

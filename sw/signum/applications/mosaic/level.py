@@ -11,11 +11,11 @@ seen by a similarity and adds a shear: with complex numbers the derivative is
 
 So between two frames, with the overlap's middle at c and d from their centres, an edge has the shear
 g = (F~ d b - F c a) / 2 (F the rotation and scale, F~ its conjugate), which windows show, and the factor
-F (1 + m(b, d) - m(a, c)), which would turn tilt into heading and height. Of this the registration has already taken
-out what a floor that slopes would add along the baseline's direction u, u u g~ (`measure.refine`): relief is local, and
-no tilt. What remains is the tilt's. The shears of all edges determine the tilt of each frame by linear least squares,
-with a prior: a vehicle is tilted by a few degrees, in part by a constant. A floor that slopes all over does the same as
-a tilt, and is taken out as one.
+F (1 + m(b, d) - m(a, c)), which would turn tilt into heading and height. Of this the registration of a floor that
+slopes has already taken out what the slope adds along the baseline's direction u, u u g~ (`measure.surface`): relief is
+local, and no tilt. What remains is the tilt's. The shears of all edges determine the tilt of each frame by linear least
+squares, with a prior: a vehicle is tilted by a few degrees, in part by a constant. A floor that slopes all over does
+the same as a tilt, and is taken out as one.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def _level(edge: Edge, a: complex, b: complex) -> Edge:
     centre, middle, s = complex(*edge.centre), complex(*edge.middle), edge.similarity
     seen = s.factor * middle + s.shift
     factor = s.factor
-    if edge.sheared:
+    if edge.sheared and edge.sloping:
         way, _ = baseline(s, edge.centre)
         factor += way**2 * _shear(s.factor, a, b, middle - centre, seen - centre).conjugate()
     factor /= 1 + _slope(b, seen - centre) - _slope(a, middle - centre)

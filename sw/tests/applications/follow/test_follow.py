@@ -120,6 +120,20 @@ def test_range_finds_the_fish_and_nothing_in_empty_water() -> None:
         assert np.hypot(blob.x - truth[0], blob.y - truth[1]) < 25
 
 
+def test_a_fish_that_fills_few_windows_is_found() -> None:
+    """At 2.8 m the body is 100 pixels long where it is seen from the side, and a fifth of that from ahead: of 16 ways
+    that it may face, it is found in all but those in which two or three windows fit on it."""
+    sight, found = AHEAD.sight(Vehicle(position=np.array([0.0, 0.0, -10.0])), PanTilt()), 0
+    for k in range(16):
+        fish = Fish(np.array([2.8, 0.0, -10.0]))
+        fish.facing = np.array([np.cos(k * np.pi / 16), np.sin(k * np.pi / 16), 0.0])
+        world, follower = World(None, COASTAL, [fish], seed=k), Follower(RangeEye(measurer(CAMERA.size), GEOMETRY))
+        for _ in range(3):
+            target = follower.step([shot.frame for shot in world.look_pair(CAMERA, sight, BASELINE_M)], (0.0, 0.0))
+        found += target.state is State.SEEN
+    assert found >= 13
+
+
 @pytest.mark.parametrize("turn", [0.0, 0.03])
 def test_terrain_alone_is_no_fish(turn: float) -> None:
     """Moving and turning over relief, with snow in the way."""

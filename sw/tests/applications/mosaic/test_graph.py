@@ -9,8 +9,8 @@ import pytest
 from signum.applications.mosaic.edges import LOOP, Edge
 from signum.applications.mosaic.graph import FLOOR_PX, PARALLAX, TOGETHER, chain, solve_graph
 from signum.geometry.similarity import Similarity
-from signum.measure.refine import refine
 from signum.measure.registration import UNKNOWN, Rival
+from signum.measure.surface import settle
 
 SIZE = 400, 300
 CENTRE = (199.5, 149.5)
@@ -115,12 +115,12 @@ def _leaning(poses: dict[str, Similarity], a: str, b: str, lean: complex, rng: n
     q += rng.normal(0, 0.3, (len(q), 2)) @ np.array([1, 1j])
     seen = (np.stack([z.real, z.imag], axis=1) + CENTRE for z in (p[both], q[both]))
     here, there = seen
-    found = refine(here, there, true, 1.0, SIZE)
+    found, sloping = settle(here, there, true, 1.0, SIZE)
     at = here[found.agree].mean(axis=0)
     spread = float(np.sqrt(((here[found.agree] - at) ** 2).sum(axis=1).mean()))
     return Edge(a, b, LOOP, found.similarity, CENTRE, middle=(float(at[0]), float(at[1])), spread_px=spread,
                 rms_px=found.rms_px, agreed=20, tried=24, shear=(found.shear.real, found.shear.imag),
-                shear_error=found.shear_error)
+                shear_error=found.shear_error, sloping=sloping)
 
 
 LEANS = [2e-4 + 0j, -2e-4j, 1e-4 + 1.5e-4j]
