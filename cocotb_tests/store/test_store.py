@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`slog_store` against its cycle model on every clock: three banks, two slices."""
+"""`slog_store` against its cycle model on every clock: two slices of five banks, the last three of 256, 128 and 16 words,
+the others of 512."""
 
 import random
 
@@ -14,12 +15,15 @@ from golden.traffic.stalls import SHAPES, coin, ready_pattern
 from sim.testbench.runner import simulate
 
 CLOCKS = 1500
+WORDS, BANK_WORDS = 1424, 512
+BANKS = 512, 1024, 1280, 1408
+"""Where banks begin behind the first one."""
 
 
 def _accesses(rng: random.Random, words: int, width: int, reads: str, peeks: str) -> Stimulus:
     """Writes, reads and peeks at hot addresses and at bank edges; no read of what was written in the clock before, but
     peeks of it."""
-    hot = [0, words - 1, *rng.sample(range(words), 12), *(k for k in range(511, words, 512)), *range(512, words, 512)]
+    hot = [0, words - 1, *rng.sample(range(words), 12), *BANKS, *(start - 1 for start in BANKS)]
     # A rare peek comes at any time of the one before.
     read, peek = ready_pattern(reads, rng), coin(0.15, rng) if peeks == "rare" else ready_pattern(peeks, rng)
     peeked: int | None = None
@@ -109,4 +113,4 @@ async def timing_diagram(dut) -> None:
 
 
 def test_store() -> None:
-    simulate("slog_store", __name__, {"Width": 8, "Words": 1296, "BankWords": 512, "SliceW": 4})
+    simulate("slog_store", __name__, {"Width": 8, "Words": WORDS, "BankWords": BANK_WORDS, "SliceW": 4})

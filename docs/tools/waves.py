@@ -158,7 +158,7 @@ def store() -> Wave:
     inputs[2] = {"wr_valid_i": 1, "wr_addr_i": 5, "wr_data_i": 0x3C}
     inputs[5] = {"rd_valid_i": 1, "rd_addr_i": 4, "peek_valid_i": 1, "peek_addr_i": 5}
     inputs[6] = {"rd_valid_i": 1, "rd_addr_i": 5}
-    return Wave("store.test_store", "slog_store", {"Width": 8, "Words": 1296, "BankWords": 512, "SliceW": 4},
+    return Wave("store.test_store", "slog_store", {"Width": 8, "Words": 1424, "BankWords": 512, "SliceW": 4},
                 "slog_store", inputs, (
         Signal("wr_valid_i"), Signal("wr_data_i", True, "wr_valid_i", True), Signal("rd_valid_i"),
         Signal("rd_addr_i", True, "rd_valid_i"), Signal("rd_data_o", True, "", True), Signal("peek_valid_i"),

@@ -39,9 +39,8 @@ module slog_store
 );
   localparam int unsigned SliceBits = (SliceW < Width) ? SliceW : Width;
   localparam int unsigned Slices    = Width / SliceBits;
-  localparam int unsigned Banks     = (Words + BankWords - 1) / BankWords;
+  localparam int unsigned Banks     = bank_count(Words, BankWords);
   localparam int unsigned BankAddrW = (Banks > 1) ? $clog2(BankWords) : AddrW;
-  localparam int unsigned BankW     = (Banks > 1) ? AddrW - BankAddrW : 1;
 
   // Peek: a pending address is read in the first clock without rd_valid_i.
   logic peek_pending_q, peek_ready_q;
@@ -90,8 +89,10 @@ module slog_store
   end
   if (Banks > 1) begin : g_bank
     for (genvar b = 0; b < Banks; b++) begin : g_en
-      assign wr_en[b] = wr_valid_i && wr_addr_i[AddrW-1:BankAddrW] == BankW'(b);
-      assign rd_en[b] = rd_go && rd_addr[AddrW-1:BankAddrW] == BankW'(b);
+      localparam int unsigned Low = bank_bits(bank_depth(Words, BankWords, b), BankWords);
+      localparam int unsigned First = bank_start(Words, BankWords, b);
+      assign wr_en[b] = wr_valid_i && wr_addr_i[AddrW-1:Low] == First[AddrW-1:Low];
+      assign rd_en[b] = rd_go && rd_addr[AddrW-1:Low] == First[AddrW-1:Low];
     end
   end else begin : g_no_bank
     assign wr_en = wr_valid_i;
@@ -118,7 +119,7 @@ module slog_store
 
   `SLOG_ASSERT(SlogStorePeek, peek_ready_q == !(peek_pending_q || peek_at_q[StoreLatency-2:0] != '0))
   `SLOG_ASSERT_INIT(SlogStoreSlicesFit, Slices * SliceBits == Width)
-  `SLOG_ASSERT_INIT(SlogStoreBankPower, Banks == 1 || BankWords == 2 ** BankAddrW)
+  `SLOG_ASSERT_INIT(SlogStoreBankPower, Banks == 1 || (BankWords == 2 ** BankAddrW && BankWords >= 4))
   `SLOG_ASSERT_INIT(SlogStoreLatency, StoreLatency == 10)
   `SLOG_ASSERT(SlogStoreAddress, !rd_valid_i || rd_addr_i < AddrW'(Words) || Words == 2 ** AddrW)
   `SLOG_ASSERT(SlogStoreWriteAddress, !wr_valid_i || wr_addr_i < AddrW'(Words) || Words == 2 ** AddrW)

@@ -12,11 +12,13 @@
 // Rules      : a word read in the clock in which it is written is undefined (slog_store asserts that only a peek meets
 //              this); at most one bank is read and one written.
 `include "slog_assert.svh"
-module slog_store_slice #(
+module slog_store_slice
+  import slog_store_pkg::*;
+#(
     parameter  int unsigned Width     = 8,
     parameter  int unsigned Words     = 28800,
     parameter  int unsigned BankWords = 16384,
-    localparam int unsigned Banks     = (Words + BankWords - 1) / BankWords,
+    localparam int unsigned Banks     = bank_count(Words, BankWords),
     localparam int unsigned AddrW     = (Banks > 1) ? $clog2(BankWords) : $clog2(Words)
 ) (
     input  logic             clk_i,
@@ -54,8 +56,8 @@ module slog_store_slice #(
   end
 
   for (genvar b = 0; b < Banks; b++) begin : g_bank
-    localparam int unsigned Depth = (b == Banks - 1) ? Words - b * BankWords : BankWords;
-    localparam int unsigned DepthW = $clog2(Depth);
+    localparam int unsigned Depth = bank_depth(Words, BankWords, b);
+    localparam int unsigned DepthW = (Depth > 1) ? $clog2(Depth) : 1;
     logic [DepthW-1:0] rd_addr_q3, wr_addr_q3;
     logic [Width-1:0] wr_data_q3;
     always_ff @(posedge clk_i) begin

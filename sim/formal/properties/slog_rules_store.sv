@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// slog_store, of one slice and two banks, as a plain memory: a word that is read or peeked is the one last written to its
+// slog_store, of one slice and three banks, as a plain memory: a word that is read or peeked is the one last written to its
 // address; and no block RAM is read for the read port at the address that is written in the same clock.
 //
 // One address is watched: the proof holds for every choice of it.
@@ -8,7 +8,7 @@ module slog_rules_store
 #(
     parameter int unsigned Width     = 1,
     parameter int unsigned AddrW     = 3,
-    parameter int unsigned Words     = 6,
+    parameter int unsigned Words     = 7,
     parameter int unsigned BankWords = 4
 ) (
     input logic             clk_i,
@@ -24,11 +24,12 @@ module slog_rules_store
     input logic             peek_go,
     input logic [AddrW-1:0] peek_addr_q,
     // The banks' block RAMs.
-    input logic [1:0]       ram_wr,
-    input logic [1:0]       ram_rd,
-    input logic [1:0]       ram_same,   // the same address is read and written
-    input logic [Width-1:0] low[BankWords],
-    input logic [Width-1:0] high[Words-BankWords]
+    input logic [2:0]       ram_wr,
+    input logic [2:0]       ram_rd,
+    input logic [2:0]       ram_same,   // the same address is read and written
+    input logic [Width-1:0] whole[BankWords],
+    input logic [Width-1:0] half[BankWords/2],
+    input logic [Width-1:0] rest[Words-BankWords/2*3]
 );
   localparam int unsigned WriteClocks = 6;  // from wr_valid_i to the word in its block RAM
   localparam int unsigned ReadClocks = 4;   // from rd_valid_i to the block RAM's read
@@ -49,7 +50,9 @@ module slog_rules_store
   assign written = wr_valid_i && wr_addr_i == choice;
   assign read    = rd_valid_i && !rst_i && !was_reset_q;
   assign peek    = peek_go && !rst_i && !fresh_q;
-  assign stored  = (32'(choice) < BankWords) ? low[32'(choice)%BankWords] : high[32'(choice)%BankWords%(Words-BankWords)];
+  localparam int unsigned RestStart = BankWords / 2 * 3;
+  assign stored  = (32'(choice) < BankWords) ? whole[32'(choice)%BankWords] :
+                   (32'(choice) < RestStart) ? half[32'(choice)%(BankWords/2)] : rest[32'(choice)%(Words-RestStart)];
   always_ff @(posedge clk_i) begin
     was_reset_q <= rst_i;
     fresh_q     <= written;
@@ -67,7 +70,7 @@ module slog_rules_store
       RulesStorePeek : assert (!wanted_q[StoreLatency-1].peek
                                || (peek_done_o && peek_data_o == wanted_q[StoreLatency-1].word));
       RulesStoreNotWritten : assert (!read_q[ReadClocks-1] || (ram_wr & ram_rd & ram_same) == '0);
-      CoverRead : cover (wanted_q[StoreLatency-1].read && wanted_q[StoreLatency-1].word != '0 && 32'(choice) >= BankWords);
+      CoverRead : cover (wanted_q[StoreLatency-1].read && wanted_q[StoreLatency-1].word != '0 && 32'(choice) >= RestStart);
       CoverPeek : cover (wanted_q[StoreLatency-1].peek && wanted_q[StoreLatency-2].read);
       CoverPeekMeetsWrite : cover ((ram_wr & ram_rd & ram_same) != '0);
     end
@@ -75,8 +78,12 @@ module slog_rules_store
 endmodule : slog_rules_store
 
 bind slog_store slog_rules_store #(.Width(Width), .AddrW(AddrW), .Words(Words), .BankWords(BankWords)) u_rules (
-    .ram_wr({g_slice[0].u_slice.g_bank[1].u_ram.wr_en_i, g_slice[0].u_slice.g_bank[0].u_ram.wr_en_i}),
-    .ram_rd({g_slice[0].u_slice.g_bank[1].u_ram.rd_en_i, g_slice[0].u_slice.g_bank[0].u_ram.rd_en_i}),
-    .ram_same({g_slice[0].u_slice.g_bank[1].u_ram.wr_addr_i == g_slice[0].u_slice.g_bank[1].u_ram.rd_addr_i,
+    .ram_wr({g_slice[0].u_slice.g_bank[2].u_ram.wr_en_i, g_slice[0].u_slice.g_bank[1].u_ram.wr_en_i,
+             g_slice[0].u_slice.g_bank[0].u_ram.wr_en_i}),
+    .ram_rd({g_slice[0].u_slice.g_bank[2].u_ram.rd_en_i, g_slice[0].u_slice.g_bank[1].u_ram.rd_en_i,
+             g_slice[0].u_slice.g_bank[0].u_ram.rd_en_i}),
+    .ram_same({g_slice[0].u_slice.g_bank[2].u_ram.wr_addr_i == g_slice[0].u_slice.g_bank[2].u_ram.rd_addr_i,
+               g_slice[0].u_slice.g_bank[1].u_ram.wr_addr_i == g_slice[0].u_slice.g_bank[1].u_ram.rd_addr_i,
                g_slice[0].u_slice.g_bank[0].u_ram.wr_addr_i == g_slice[0].u_slice.g_bank[0].u_ram.rd_addr_i}),
-    .low(g_slice[0].u_slice.g_bank[0].u_ram.mem_q), .high(g_slice[0].u_slice.g_bank[1].u_ram.mem_q), .*);
+    .whole(g_slice[0].u_slice.g_bank[0].u_ram.mem_q), .half(g_slice[0].u_slice.g_bank[1].u_ram.mem_q),
+    .rest(g_slice[0].u_slice.g_bank[2].u_ram.mem_q), .*);
