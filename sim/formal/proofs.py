@@ -224,8 +224,8 @@ REASONS: Mapping[str, str] = {
     "slog_dense_stream": "see `slog_dense_feed`",
     "slog_dense_wide": WIRES,
     "slog_dense_wide_group": WIRES,
-    "slog_dense_wide_lane": "its four windows at once are too much counting for the solver; the same sums at one column are "
-                            "proved in `dense_lanes_3` and `dense_lanes_4`, and whole maps are compared with the frame level",
+    "slog_dense_wide_lane": "counting four windows at once is too much for the solver; the sums of one column are "
+                            "proved in `dense_lanes_4`, whole maps are compared with the frame level",
     "slog_dense_wide_winner": DATA,
     "slog_dense_winner": DATA,
     "slog_fir": DATA,
