@@ -11,16 +11,16 @@ import pytest
 from golden.cycle.dense.wide import DenseWideModel
 from golden.cycle.model import run_model
 from golden.dense import dense
-from golden.traffic.dense_wide import WideTraffic, random_pair
+from golden.traffic.dense_wide import KINDS, WideTraffic, random_pair
 
 
 @pytest.mark.parametrize(("offsets", "window", "width"), [(4, 4, 21), (8, 8, 24), (16, 16, 33), (40, 4, 17)])
 def test_maps(offsets: int, window: int, width: int) -> None:
-    """Passes of several starts and directions, full and lean, one after a reset in its middle."""
+    """Passes of several starts and directions, with planes of each kind, one after a reset in its middle."""
     found = 0
     for seed in range(3):
         rng = random.Random(seed)
-        passes = [random_pair(rng, offsets, window, width, n == 1) for n in range(3)]
+        passes = [random_pair(rng, offsets, window, width, kind) for kind in KINDS]
         traffic = WideTraffic(passes, rng, offsets, window, cut=1)
         run_model(DenseWideModel(offsets, window), traffic.stimulus(), traffic.observe)
         assert len(traffic.maps) == len(passes)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -20,20 +21,30 @@ Pair = tuple[Plane, Plane, DensePass]
 """Left and right plane, uint8 (H, W), and what is searched for."""
 
 
-def random_pair(rng: random.Random, offsets: int, window: int, max_width: int, lean: bool) -> Pair:
-    """Two planes that resemble each other somewhere among the offsets, and a search.
+Kind = Literal["full", "lean", "opposite"]
+"""Planes that resemble each other somewhere among the offsets; the same, nearly empty, so that many offsets are equal;
+planes that differ nearly everywhere, and everywhere but at the left."""
+KINDS: tuple[Kind, ...] = "full", "lean", "opposite"
+
+
+def random_pair(rng: random.Random, offsets: int, window: int, max_width: int, kind: Kind) -> Pair:
+    """Two planes and a search.
 
     Args:
         rng: of everything.
         offsets, window: of the engine.
         max_width: most columns.
-        lean: the planes are nearly empty, so that many offsets are equal.
+        kind: how the planes differ.
     """
     one = DensePass(window, offsets, rng.choice((0, 1 - offsets, -offsets // 2, rng.randint(-9, 9), 4)),
                     rng.choice((0, 0, -2, 3)))
     shape = rng.randint(window + 4, window + 9), rng.randint(max(window, 4 * COLUMNS), max_width)
     dice = np.random.default_rng(rng.getrandbits(32))
-    left = (dice.random(shape) < (0.03 if lean else 0.5)).astype(np.uint8)
+    if kind == "opposite":
+        right = (dice.random(shape) < 0.1).astype(np.uint8)
+        right[:, shape[1] // 3:] = 0
+        return np.ones(shape, np.uint8), right, one
+    left = (dice.random(shape) < (0.03 if kind == "lean" else 0.5)).astype(np.uint8)
     right = np.roll(left, (-one.down, -one.start - rng.randrange(offsets)), (0, 1))
     return left, right ^ (dice.random(shape) < rng.choice((0.0, 0.1))).astype(np.uint8), one
 
