@@ -126,6 +126,10 @@ docs: $(VENV)/.installed ## The documentation as a site: out/site/index.html; ev
 synth: $(VENV)/.synth ## Yosys and nextpnr for the LFE5U-85F: out/synth/report.json (CONFIG=full|tiny|dense|tiny_dense; PATHS=5: only list paths over 5 ns; PLACED=6: the same after placement)
 	@$(PY) -m sim.synth --config $(CONFIG) $(if $(PATHS),--paths $(PATHS)) $(if $(PLACED),--placed $(PLACED))
 
+.PHONY: synth-wide
+synth-wide: $(VENV)/.synth ## The wide dense engine for the LFE5U-85F, out of context: out/synth/dense_wide/report.json (LANES="16 32 64"; up to 208)
+	@$(PY) -m sim.synth.wide $(if $(LANES),--lanes $(LANES))
+
 .PHONY: formal
 formal: $(VENV)/.synth ## Prove the RTL's assertions (QUICK=1: those that take little time; PROOFS="fifo grid": only these; BROKEN=1: each must find a defect)
 	@$(PY) -m sim.formal $(if $(QUICK),--quick) $(if $(BROKEN),--broken) $(PROOFS)

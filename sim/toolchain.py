@@ -29,6 +29,8 @@ TOP = "slog_board"
 """The board with the array."""
 DENSE_TOP = "slog_dense_board"
 """The board with the dense engine."""
+WIDE_TOP = "slog_dense_wide"
+"""The wide dense engine, which is on no board."""
 WAIVERS = RTL / "slog_waive.vlt"
 TESTBENCHES = ROOT / "sim" / "testbench" / "tb"
 CELL_MODELS = ROOT / "sim" / "synth" / "cells.sv"
@@ -100,7 +102,17 @@ def headers() -> list[Path]:
 def listed_sources() -> list[str]:
     """The lines of `rtl/files.f` but comments: paths within `rtl/`, with `{config}` for the configuration's name and
     `{top}` for its top module."""
-    return [line for line in (RTL / "files.f").read_text().splitlines() if line and not line.startswith("//")]
+    return _lines(RTL / "files.f")
+
+
+def _lines(path: Path) -> list[str]:
+    """The lines of a file list but comments."""
+    return [line for line in path.read_text().splitlines() if line and not line.startswith("//")]
+
+
+def wide_sources() -> list[Path]:
+    """The RTL sources that no board has: the wide dense engine's own (from `rtl/dense/wide/files.f`)."""
+    return [RTL / name for name in _lines(RTL / "dense" / "wide" / "files.f")]
 
 
 def rtl_sources(config: str) -> list[Path]:
@@ -118,8 +130,8 @@ def ecp5_sources(config: str) -> list[Path]:
 
 
 def sources_of(top: str, config: str = "tiny", ecp5: bool = False) -> list[Path]:
-    """The files that `top` is made of, in the order of `rtl/files.f`: its own, and those of all modules and packages
-    that it uses, directly or not.
+    """The files that `top` is made of, in the order of `rtl/files.f`, then of `wide_sources`: its own, and those of all
+    modules and packages that it uses, directly or not.
 
     Args:
         top: a module of `rtl/` or of `sim/testbench/tb/`.
@@ -129,7 +141,7 @@ def sources_of(top: str, config: str = "tiny", ecp5: bool = False) -> list[Path]
     Raises:
         KeyError: if there is no such module.
     """
-    listed = ecp5_sources(config) if ecp5 else rtl_sources(config)
+    listed = [*(ecp5_sources(config) if ecp5 else rtl_sources(config)), *wide_sources()]
     benches = sorted(TESTBENCHES.glob("*.sv"))
     by_name = {path.stem: path for path in (*listed, *benches)}
     needed, found = [by_name[top]], {by_name[top]}

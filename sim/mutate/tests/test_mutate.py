@@ -13,7 +13,7 @@ from sim.mutate import flow, plan, reasons, run
 from sim.mutate.calls import Call
 from sim.mutate.sites import Mutant, mutants_of
 from sim.mutate.source import mutated, only
-from sim.toolchain import rtl_sources
+from sim.toolchain import rtl_sources, wide_sources
 
 TINY = """\
 module slog_tiny #(
@@ -101,6 +101,7 @@ def test_one_mutant_alone(tiny: Path) -> None:
 
 def test_every_module_has_mutants_or_a_reason() -> None:
     names = {path.stem for config in ("tiny", "tiny_dense") for path in rtl_sources(config)}
+    names |= {path.stem for path in wide_sources()}
     assert names - set(plan.TESTS) - set(plan.WITHOUT) == set()
     for file in {file for files in plan.TESTS.values() for file in files}:
         assert Path(*file.split(".")).with_suffix(".py").exists()

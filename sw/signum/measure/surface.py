@@ -25,12 +25,15 @@ TRIES = 500
 """Pairs of windows of which each gives a motion."""
 APART = 0.5
 """Least distance of the two, of the windows' root-mean-square distance from their middle."""
-KEPT = 16
+JUDGES = 4
+"""Of so many windows one judges them."""
+KEPT = 8
 """The best of these, each of which is then fitted to the windows close to it."""
 ROUNDS = 10
 """Rounds of that fit."""
 BORNE_OUT = 0.67
-"""Share of the windows that relief may have displaced, above which a sloping plane explains them."""
+"""Share of the windows that relief may have displaced, above which a sloping plane explains them; and of all windows,
+above which no other motion can have as many."""
 
 
 def settle(p: Floats, q: Floats, about: Similarity, pixel: float, size: tuple[int, int]) -> tuple[Refined, bool]:
@@ -45,8 +48,11 @@ def settle(p: Floats, q: Floats, about: Similarity, pixel: float, size: tuple[in
     Returns:
         The fit, and whether a slope was taken out of it.
     """
-    start = densest(p, q, about, CLOSE * pixel)
+    met = np.linalg.norm(about(p) - q, axis=1) < CLOSE * pixel
+    start = about if met.mean() > BORNE_OUT else densest(p, q, about, CLOSE * pixel)
     sloping = refine(p, q, start, pixel, size, CLOSE, 1.0)
+    if sloping.agree.mean() > BORNE_OUT:
+        return sloping, True
     flat = refine(p, q, start, pixel, size, CLOSE, 1.0, 0.0)
     way, _ = baseline(flat.similarity, ((size[0] - 1) / 2, (size[1] - 1) / 2))
     off = (flat.similarity(p) - q) @ np.array([1, 1j]) * way.conjugate() / pixel
@@ -71,7 +77,7 @@ def densest(p: Floats, q: Floats, about: Similarity, close: float) -> Similarity
     tried = (b[i] - b[j]) / (a[i] - a[j])
     factors = np.append(tried, about.factor)
     shifts = np.append(b[i] - tried * a[i], about.shift)
-    near = _weights(factors[:, None], shifts[:, None], a, b, close).sum(axis=1)
+    near = _weights(factors[:, None], shifts[:, None], a[::JUDGES], b[::JUDGES], close).sum(axis=1)
     best = np.argsort(-near, kind="stable")[:KEPT, None]
     factor, shift = factors[best], shifts[best]
     for _ in range(ROUNDS):
