@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`slog_store` against its cycle model on every clock: two slices of five banks, the last three of 256, 128 and 16 words,
-the others of 512."""
+"""`slog_store` against its cycle model on every clock: two slices of five banks, of 512, 512, 256, 128 and 16 words."""
 
 import random
 
