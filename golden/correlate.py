@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from golden.numbers import whole
 from golden.params import NO_SCORE, TAG_BITS, Config
 
 Plane = npt.NDArray[np.uint8]
@@ -55,7 +56,7 @@ class Job:
     (`search_x`, `search_y`) of `search_slot`. A job may be one the board refuses.
 
     Raises:
-        ValueError: if a number does not fit its register.
+        ValueError: if a number is not whole or does not fit its register.
     """
 
     tpl_slot: int
@@ -73,8 +74,8 @@ class Job:
 
     def __post_init__(self) -> None:
         for name, top in FIELD_MAX.items():
-            if not 0 <= getattr(self, name) <= top:
-                raise ValueError(f"{name} is {getattr(self, name)}: must lie in 0..{top}")
+            object.__setattr__(self, name, whole(name, getattr(self, name), 0, top))
+        object.__setattr__(self, "surface", bool(self.surface))
 
 
 @dataclass(frozen=True)

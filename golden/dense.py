@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from golden.correlate import Plane
+from golden.numbers import whole
 
 WINDOWS = (2, 4, 8, 16, 32)
 """Sides of the windows that an engine may be built with, pixels; the configuration says which it has."""
@@ -46,7 +47,7 @@ class DensePass:
         down: rows between the planes: how far up in the right plane; negative down.
 
     Raises:
-        ValueError: if a number is out of range.
+        ValueError: if a number is not whole or out of range.
     """
 
     window: int
@@ -57,11 +58,9 @@ class DensePass:
     def __post_init__(self) -> None:
         if self.window not in WINDOWS:
             raise ValueError(f"window is {self.window}: must be one of {', '.join(map(str, WINDOWS))}")
-        if not 1 <= self.offsets <= MAX_OFFSETS:
-            raise ValueError(f"offsets is {self.offsets}: must lie in 1..{MAX_OFFSETS}")
-        for name in ("start", "down"):
-            if not START_RANGE[0] <= getattr(self, name) <= START_RANGE[1]:
-                raise ValueError(f"{name} is {getattr(self, name)}: must lie in {START_RANGE[0]}..{START_RANGE[1]}")
+        for name, low, top in (("window", 1, WINDOWS[-1]), ("offsets", 1, MAX_OFFSETS), ("start", *START_RANGE),
+                               ("down", *START_RANGE)):
+            object.__setattr__(self, name, whole(name, getattr(self, name), low, top))
 
 
 @dataclass(frozen=True)

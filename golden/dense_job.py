@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from golden.correlate import Plane
 from golden.dense import ABSENT, Counts, DenseMap, DensePass, dense
+from golden.numbers import whole
 from golden.params import Config
 
 Flags = npt.NDArray[np.bool_]
@@ -58,7 +59,7 @@ class DenseJob:
             one of them does not become whole, the pass ends with a status of its own, and its map must not be used.
 
     Raises:
-        ValueError: if a number does not fit its register.
+        ValueError: if a number is not whole or does not fit its register.
     """
 
     left: int
@@ -72,10 +73,13 @@ class DenseJob:
 
     def __post_init__(self) -> None:
         for name, top in RANGES.items():
-            if not 0 <= getattr(self, name) <= top:
-                raise ValueError(f"{name} is {getattr(self, name)}: must lie in 0..{top}")
-        if len(self.step) != 2 or not all(0 <= n <= STEP_MAX for n in self.step):
-            raise ValueError(f"step is {self.step}: two numbers in 0..{STEP_MAX}")
+            object.__setattr__(self, name, whole(name, getattr(self, name), 0, top))
+        for name in ("check", "live"):
+            object.__setattr__(self, name, bool(getattr(self, name)))
+        if len(self.step) != 2:
+            raise ValueError(f"step is {self.step}: must be two numbers, across and down")
+        across, down = (whole("step", n, 0, STEP_MAX) for n in self.step)
+        object.__setattr__(self, "step", (across, down))
 
 
 @dataclass(frozen=True)

@@ -229,6 +229,9 @@ def test_jobs_fit_their_registers(name: str) -> None:
     for value in (-1, top + 1):
         with pytest.raises(ValueError, match=f"{name} is {value}: must lie in 0..{top}"):
             replace(GOOD, **{name: value})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=f"{name} is 1.0: must be a whole number"):
+        replace(GOOD, **{name: 1.0})  # type: ignore[arg-type]
+    assert type(getattr(replace(GOOD, **{name: np.int16(1)}), name)) is int  # type: ignore[arg-type]
 
 
 def test_limits_of_arguments() -> None:

@@ -110,10 +110,11 @@ def test_the_first_of_equals_wins() -> None:
 
 @pytest.mark.parametrize(("values", "message"), [
     ((12, 4), "window is 12"), ((8, 0), "offsets is 0"), ((8, 257), "offsets is 257"), ((8, 4, 512), "start is 512"),
-    ((8, 4, 0, -513), "down is -513")])
-def test_what_no_engine_takes_is_refused(values: tuple[int, ...], message: str) -> None:
+    ((8, 4, 0, -513), "down is -513"), ((8, 7.5), "offsets is 7.5: must be a whole number"),
+    ((8, 4, -2.5), "start is -2.5")])
+def test_what_no_engine_takes_is_refused(values: tuple[float, ...], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        DensePass(*values)
+        DensePass(*values)  # type: ignore[arg-type]
 
 
 def test_planes_of_unequal_sizes_are_refused() -> None:

@@ -73,7 +73,18 @@ def test_an_offset_without_rest_is_valid_whatever_the_margin() -> None:
 
 @pytest.mark.parametrize(("change", "message"), [
     ({"left": 8}, "left is 8"), ({"right": -1}, "right is -1"), ({"most": 2048}, "most is 2048"),
-    ({"margin": -1}, "margin is -1"), ({"step": (1, 256)}, "step is"), ({"step": (-1, 1)}, "step is")])
+    ({"margin": -1}, "margin is -1"), ({"step": (1, 256)}, "step is 256"), ({"step": (-1, 1)}, "step is -1"),
+    ({"step": (1, 1, 1)}, "step is"), ({"left": 0.5}, "left is 0.5: must be a whole number"),
+    ({"most": 12.0}, "most is 12.0")])
 def test_what_fits_no_register_is_refused(change: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         replace(JOB, **change)  # type: ignore[arg-type]
+
+
+def test_numbers_of_any_integer_type_are_taken() -> None:
+    """What computes with numbers of fewer bits, as the registers' words do, gets Python's."""
+    job = replace(JOB, left=np.uint8(1), step=(np.int16(2), np.int64(3)), check=np.int8(2),  # type: ignore[arg-type]
+                  search=DensePass(np.int16(8), np.uint8(4), np.int16(-2)))  # type: ignore[arg-type]
+    assert job == replace(JOB, left=1, step=(2, 3), check=True, search=DensePass(8, 4, -2))
+    numbers = job.left, *job.step, job.search.window, job.search.start
+    assert all(type(n) is int for n in numbers) and job.check is True

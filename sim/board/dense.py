@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from golden.dense import ABSENT, Counts
 from golden.dense_job import DenseJob, DenseResult, DenseStatus
 from golden.log import Image
-from sim.board.device import Device, DeviceError
+from sim.board.device import Device, DeviceError, DeviceTimeout
 
 Words = npt.NDArray[np.uint64]
 """Words of a map: `map_t` of `rtl/dense/slog_dense_pkg.sv`."""
@@ -97,11 +98,17 @@ class DenseEngine:
         """Carry out a job; the result is None where it is refused.
 
         Raises:
-            DeviceError: if the map does not arrive whole.
+            DeviceError: if a pass is under way or its map was not taken, or the map does not arrive whole; no pass is
+                left then that this call began.
         """
-        self.load(job)
-        self.go()
-        return self.collect(job)
+        self._check_idle()
+        try:
+            self.load(job)
+            self.go()
+            return self.collect(job)
+        except BaseException:
+            self._stop(job)
+            raise
 
     def collect(self, job: DenseJob) -> tuple[DenseStatus, DenseResult | None]:
         """Wait for the pass of `job`, which was started.
@@ -110,14 +117,12 @@ class DenseEngine:
             DeviceError: if the map does not arrive whole, or a frame of a live pass was lost.
         """
         d = self.device
-        while self.busy and not d.stream_waiting:  # whether it is refused shows after some clocks
-            pass
+        self._wait(lambda: not self.busy or bool(d.stream_waiting))  # whether it is refused shows after some clocks
         if not d.stream_waiting:
             return DenseStatus(self.status), None
         shape = map_shape(d.size, job.step)
-        words = d.map_words(shape[0] * shape[1])
-        while self.busy:
-            pass
+        words = d.map_words(shape[0] * shape[1], d.playing_clocks if job.live else None)
+        self._wait(lambda: not self.busy)
         if self.status == LOST:
             raise DeviceError("a frame of the live pass was lost")
         if len(words) != shape[0] * shape[1]:
@@ -137,21 +142,28 @@ class DenseEngine:
             seed: of the pauses.
 
         Raises:
-            DeviceError: if the board refuses a capture or drops a frame, or the map does not arrive whole. No request
-                and no pass is left then.
+            DeviceError: if a pass is under way or its map was not taken, if the board refuses a capture or drops a
+                frame, or if the map does not arrive whole. No request and no pass of this call is left then.
         """
         d, slots = self.device, (job.left, job.right)
+        self._check_idle()
+        drops = self._drops()
         try:
+            self.load(job)
             for camera, slot in enumerate(slots):
                 d.arm(slot, camera)
-            self.load(job)
             self.go()
             for camera, frame in enumerate(frames):
                 d.play(frame, camera, pause, seed + camera)
+            # A pass would wait for a frame after one that is dropped before its first row is whole, but none comes.
+            self._wait(lambda: not self.busy or bool(d.stream_waiting) or self._drops() != drops)
+            lost = [str(camera) for camera, count in enumerate(self._drops()) if count != drops[camera]]
+            if lost and self.busy and not d.stream_waiting:
+                raise DeviceError(f"the board dropped the frame of camera {', '.join(lost)}")
             answer = self.collect(job)
             d.finish_playing()
             d.wait_captured(0, 1)
-        except DeviceError:
+        except BaseException:
             for camera in (0, 1):
                 with suppress(DeviceError):
                     d.disarm(camera)
@@ -159,11 +171,30 @@ class DenseEngine:
             raise
         return answer
 
+    def _check_idle(self) -> None:
+        if self.busy or self.device.stream_waiting:
+            raise DeviceError("a dense pass is under way, or its map was not taken: collect it first")
+
+    def _drops(self) -> list[int]:
+        """Frames that each camera has dropped."""
+        return [self.device.read(f"counter.drops[{camera}].value") for camera in (0, 1)]
+
+    def _wait(self, done: Callable[[], bool]) -> None:
+        """Run until `done`, within the clocks that frames may take.
+
+        Raises:
+            DeviceTimeout: if it does not come.
+        """
+        begun = self.device.clocks
+        while not done():
+            if self.device.clocks - begun > self.device.playing_clocks:
+                raise DeviceTimeout("dense pass: no progress")
+
     def _stop(self, job: DenseJob) -> None:
         """End the pass of `job` if it is under way, and throw its map away."""
-        if self.busy:
-            self.cancel()
         with suppress(DeviceError):
+            if self.busy:
+                self.cancel()
             while self.busy or self.device.stream_waiting:
                 if self.device.stream_waiting:
                     self.device.map_words(job_words(self.device.size, job))

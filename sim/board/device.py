@@ -114,15 +114,29 @@ class Device(RegisterDriver):
         Args:
             pause: probability that a pixel is held back in a clock.
             seed: of the pauses.
+
+        Raises:
+            ValueError: if the board has no such camera.
         """
+        self._check_camera(camera)
         pixels = np.ascontiguousarray(frame, np.uint8)
         self._lib.slog_play_frame(self._board, camera, pixels.ctypes.data, pixels.shape[1], pixels.shape[0],
                                   round(pause * 1000), seed)
 
     def play_beats(self, beats: Beats, camera: int = 0, pause: float = 0.0, seed: int = 1) -> None:
         """Queue raw beats, good or bad frames alike."""
+        self._check_camera(camera)
         flat = np.ascontiguousarray(beats, np.uint16)
         self._lib.slog_play(self._board, camera, flat.ctypes.data, len(flat), round(pause * 1000), seed)
+
+    def _check_camera(self, camera: int) -> None:
+        if not 0 <= camera < self.config.cameras:
+            raise ValueError(f"camera {camera}: this board has {self.config.cameras}")
+
+    @property
+    def playing_clocks(self) -> int:
+        """Clocks allowed for queued frames, whose pixels may be held back."""
+        return 8 * self._frame_clocks()
 
     def finish_playing(self) -> None:
         """Run until the cameras' queued beats are taken.
@@ -130,7 +144,7 @@ class Device(RegisterDriver):
         Raises:
             DeviceTimeout: if the board stops taking them.
         """
-        self._check("video", self._lib.slog_finish_playing(self._board, 8 * self._frame_clocks()))
+        self._check("video", self._lib.slog_finish_playing(self._board, self.playing_clocks))
 
     def capture(self, slots: dict[int, int], frames: dict[int, Image], pause: float = 0.0, seed: int = 1) -> None:
         """Send one frame through each camera named, all at once, into its slot; both arguments by camera.
@@ -169,17 +183,19 @@ class Device(RegisterDriver):
             raise DeviceError(f"surface: wrong first or last marks at clock {self.clocks}")
         return scores.astype(np.int32)
 
-    def map_words(self, room: int, timeout: int = SLACK) -> npt.NDArray[np.uint64]:
+    def map_words(self, room: int, timeout: int | None = None) -> npt.NDArray[np.uint64]:
         """The words of the next map, on a board with a dense engine: all up to its last mark.
 
         Args:
             room: most words that it may have.
-            timeout: clocks without a word after which it counts as lost.
+            timeout: clocks without a word after which it counts as lost; by default more than a pass takes, for of
+                coarse steps the words come far apart.
 
         Raises:
             DeviceError: if it does not arrive whole, has more words, or its first mark is wrong.
         """
         words = np.zeros(room, np.uint64)
+        timeout = self._frame_clocks() if timeout is None else timeout
         count = int(self._lib.slog_map(self._board, words.ctypes.data, room, timeout))
         self._check("map", count)
         if count == STREAM_BROKEN:

@@ -172,9 +172,7 @@ class Board(ABC):
 
     def capture_pair(self, slots: tuple[int, int], frames: tuple[Image, Image]) -> None:
         """Send two frames through cameras 0 and 1 at the same time into two different slots; otherwise as `capture`."""
-        if slots[0] == slots[1]:
-            raise BoardError("a pair needs two different slots")
-        self._capture_all([(camera, slots[camera], frames[camera]) for camera in (0, 1)])
+        self._capture_all(self._pair(slots, frames))
 
     def read_plane(self, slot: int) -> Image:
         """The sign plane of a slot, uint8 (height, width) of 0 and 1, 1 where the LoG response is > 0.
@@ -286,10 +284,7 @@ class Board(ABC):
             BoardError: as `capture_pair` and `dense`. Where the board refuses the job, the frames are captured.
         """
         self._check_engine()
-        if job.left == job.right:
-            raise BoardError("a pair needs two different slots")
-        pair = [(0, job.left, frames[0]), (1, job.right, frames[1])]
-        self._check_captures(pair)
+        self._check_captures(self._pair((job.left, job.right), frames))
         answer = self._capture_dense(replace(job, live=True), frames)
         for slot in (job.left, job.right):
             self._usable[slot] = True
@@ -324,6 +319,15 @@ class Board(ABC):
             raise BoardError(f"dense job refused: {status.name}")
         return result
 
+    @staticmethod
+    def _pair(slots: Sequence[int], frames: Sequence[Image]) -> list[tuple[int, int, Image]]:
+        """A capture (camera, slot, frame) of each of two cameras."""
+        if len(slots) != 2 or len(frames) != 2:
+            raise BoardError(f"a pair is two slots and two frames: {len(slots)} and {len(frames)} given")
+        if slots[0] == slots[1]:
+            raise BoardError("a pair needs two different slots")
+        return list(zip((0, 1), slots, frames, strict=True))
+
     def _capture_all(self, frames: Sequence[tuple[int, int, Image]]) -> None:
         self._check_captures(frames)
         self._capture(frames)
@@ -343,6 +347,8 @@ class Board(ABC):
     def _check_capture(self, slot: int, frame: Image, camera: int) -> None:
         if not self._configurations:
             raise BoardError("choose image size and filter with configure() before the first capture")
+        if not all(isinstance(number, (int, np.integer)) for number in (slot, camera)):
+            raise BoardError(f"slot {slot!r} of camera {camera!r}: both must be whole numbers")
         if not 0 <= slot < self._config.slots:
             raise BoardError(f"slot {slot}: this board has slots 0 to {self._config.slots - 1}")
         if not 0 <= camera < self._config.cameras:

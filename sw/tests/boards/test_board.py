@@ -108,6 +108,12 @@ def test_another_sigma_leaves_the_slots(board: GoldenBoard) -> None:
     assert board.sigma == 2.5 and np.array_equal(board.read_plane(0), plane)
 
 
+@pytest.mark.parametrize(("slot", "camera"), [(0.5, 0), ("a", 0), (0, 1.0)])
+def test_slots_and_cameras_are_whole_numbers(board: GoldenBoard, slot: int, camera: int) -> None:
+    with pytest.raises(BoardError, match="both must be whole numbers"):
+        board.capture(slot, np.zeros((36, 48), np.uint8), camera)
+
+
 @pytest.mark.parametrize(("size", "sigma", "says"), [
     ((40, 36), 0.5, "sigma 0.5"), ((49, 36), 2.0, "image size 49x36"), ((40, 36), 4.5, "sigma 4.5")])
 def test_a_refused_configuration_changes_nothing(board: GoldenBoard, size: tuple[int, int], sigma: float, says: str,

@@ -176,6 +176,65 @@ def test_slow_cameras_and_lost_frames() -> None:
         _same([board.capture_dense(job, frames), slow], job)
 
 
+def test_a_dropped_frame_ends_a_live_pass() -> None:
+    """A frame of short lines never has a whole first row. The pass does not wait for another frame for ever, and leaves
+    neither requests nor a pass that waits."""
+    rng = session_rng("dropped frames")
+    job = DenseJob(0, 1, DensePass(8, 16, -4), live=True)
+    with VerilatedBoard(TINY_DENSE) as board:
+        board.configure(SIZE, 1.5)
+        frames = random_pair(rng, SIZE)
+        engine = DenseEngine(board._device)
+        with pytest.raises(DeviceError, match="dropped the frame of camera 1"):
+            engine.run_live(job, (frames[0], frames[1][:, :-1]))
+        assert not engine.busy
+        live = board.capture_dense(job, frames)
+        _same([board.dense(replace(job, live=False)), live], job)
+
+
+def test_coarse_steps_and_maps_that_were_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Words of a coarse step come many rows apart. After a pass that took too long the next one gets a map of its own,
+    and no pass begins while one is under way."""
+    rng = session_rng("coarse steps")
+    coarse, other = (DenseJob(0, 1, DensePass(8, 16, start), (1, 35)) for start in (-4, 3))
+    with VerilatedBoard(TINY_DENSE) as board, GoldenBoard(TINY_DENSE) as golden:
+        frames = random_pair(rng, SIZE)
+        for each in (board, golden):
+            each.configure(SIZE, 1.5)
+            each.capture_pair((0, 1), frames)
+        device: Device = board._device
+        _same([golden.dense(coarse), board.dense(coarse)], coarse)
+        with monkeypatch.context() as short:
+            short.setattr(device, "_frame_clocks", lambda: 200)
+            with pytest.raises(BoardError, match="no progress"):
+                board.dense(coarse)
+        _same([golden.dense(other), board.dense(other)], other)
+        engine = DenseEngine(device)
+        engine.load(coarse)
+        engine.go()
+        with pytest.raises(BoardError, match="under way"):
+            board.dense(other)
+        engine.collect(coarse)
+        _same([golden.dense(other), board.dense(other)], other)
+
+
+def test_a_pair_is_two_frames(boards: Pair) -> None:
+    """One frame or three are refused before anything is sent, by both boards with the same line."""
+    rng = session_rng("pairs")
+    frames = random_pair(rng, SIZE)
+    job = DenseJob(0, 1, DensePass(8, 16))
+    for wrong in (frames[:1], (*frames, frames[0])):
+        for board in boards:
+            board.configure(SIZE, 1.5)
+            with pytest.raises(BoardError, match=f"two slots and two frames: 2 and {len(wrong)} given"):
+                board.capture_dense(job, wrong)  # type: ignore[arg-type]
+            with pytest.raises(BoardError, match=f"two slots and two frames: 2 and {len(wrong)} given"):
+                board.capture_pair((0, 1), wrong)  # type: ignore[arg-type]
+    for board in boards:
+        with pytest.raises(BoardError, match="two slots and two frames: 1 and 2 given"):
+            board.capture_pair((0,), frames)  # type: ignore[arg-type]
+
+
 def test_map_words_are_checked() -> None:
     assert map_shape((48, 36), (5, 7)) == (6, 10)
     with pytest.raises(ValueError, match="bits that are not used"):
