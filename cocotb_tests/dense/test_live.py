@@ -131,7 +131,7 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
                 break
         seen["not live"] += not live
         cameras.kept = 0
-        for _ in range(rng.randint(1, 4)):
+        for _ in range(rng.randint(3, 6)):  # the shortest pause between passes is 3 clocks
             yield {**job, "progress_i": cameras.clock(), "slot_valid_i": cameras.valid}
 
 
