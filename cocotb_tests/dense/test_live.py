@@ -74,6 +74,8 @@ class Cameras:
 def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> Stimulus:
     """Passes, live and not, over slots in every state, until each of POINTS is in `seen`."""
     cameras = Cameras(rng, seen)
+    for _ in range(2):  # with the reset, the pause before a pass
+        yield {}
     for number in lasting(PASSES, 20 * PASSES, lambda: seen.keys() >= POINTS):
         slots = [rng.randrange(5), rng.randrange(5)]
         live, down = int(rng.random() < 0.85), rng.choice((0, 0, rng.randint(-4, 4), rng.randint(-14, 14), -512, 511))
@@ -131,7 +133,7 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
                 break
         seen["not live"] += not live
         cameras.kept = 0
-        for _ in range(rng.randint(1, 4)):
+        for _ in range(rng.randint(3, 6)):  # the shortest pause between passes is 3 clocks
             yield {**job, "progress_i": cameras.clock(), "slot_valid_i": cameras.valid}
 
 

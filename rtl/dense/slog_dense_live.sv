@@ -19,7 +19,7 @@
 //   4      there_o, whole_o, lost_o
 // Latency    : progress_i to there_o 4 clocks, to keep_o 2; row_i to there_o of the next row 3; begin_i to here_o 1, to there_o
 //              3.
-// Throughput : rows 3 clocks apart or more.
+// Throughput : rows 4 clocks apart or more, and the first as long after begin_i: there_o of a row comes before it.
 // Rules      : begin_i with or after the job, which is constant while reading_i is high: from begin_i on, until no word is
 //              read any more. Between passes reading_i is low for 3 clocks or more. row_i only with there_o of that row in
 //              the clock before. While a camera is writing, the rows it has written do not become fewer.
@@ -144,7 +144,16 @@ module slog_dense_live
     `SLOG_ASSERT(SlogDenseLiveRows, !(followed_q[p] && writes[p]) || rows[p] >= rows_q[p])
   end
   `SLOG_PAST(past_there, there_q)
-  `SLOG_PAST(past_row, row_i)
   `SLOG_ASSERT(SlogDenseLiveThere, !(row_i && reading_i) || past_there)
-  `SLOG_ASSERT(SlogDenseLiveApart, !(row_i && past_row))
+`ifndef SYNTHESIS
+  logic [2:0] near_q;  // a row, or begin_i, in each of the three clocks before
+  logic [1:0] low_q;   // clocks for which reading_i has been low, up to 3; a reset is one of them
+  always_ff @(posedge clk_i) begin
+    near_q <= rst_i ? '0 : {near_q[1:0], begin_i || row_i};
+    low_q  <= rst_i ? 2'd1 : reading_i ? '0 : low_q + 2'(low_q != '1);
+  end
+`endif
+  `SLOG_ASSERT(SlogDenseLiveApart, !row_i || near_q == '0)
+  `SLOG_ASSERT(SlogDenseLivePause, begin_i ? reading_i && low_q == '1 : !reading_i || low_q == '0)
+  `SLOG_ASSERT_KEPT(SlogDenseLiveJob, reading_i, {live_i, left_slot_i, right_slot_i, down_i})
 endmodule : slog_dense_live

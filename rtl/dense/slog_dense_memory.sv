@@ -10,8 +10,8 @@
 //   4    wr_addr                   4: sum_i, which slog_dense_lanes makes of above_o
 // Latency    : run_i to above_o 3 clocks; sum_i is taken 4 clocks after run_i.
 // Throughput : one word read and one written per clock.
-// Rules      : run_i is high from a row's first column to the clock in which the last lane has its last one, and low for
-//              one clock at least between rows. In a pass' first row, first_i high with run_i, above_o is 0.
+// Rules      : run_i is high from a row's first column to the clock in which the last lane has its last one, for Depth
+//              clocks or fewer, and low for one clock at least between rows. In a pass' first row, first_i high with run_i, above_o is 0.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_memory #(
@@ -54,6 +54,10 @@ module slog_dense_memory #(
       .rd_data_o(above_o)
   );
 
-  `SLOG_ASSERT(SlogDenseMemoryRoom, !run_i || 32'(at_q) < Depth)
+`ifndef SYNTHESIS
+  logic [AddrW:0] place_q;  // at_q, but where Depth is a power of two it does not start anew after the last word
+  always_ff @(posedge clk_i) place_q <= run_i ? place_q + (AddrW + 1)'(!place_q[AddrW]) : '0;
+`endif
+  `SLOG_ASSERT(SlogDenseMemoryRoom, !run_i || 32'(place_q) < Depth)
   `SLOG_ASSERT(SlogDenseMemoryApart, !(run_q[0] && run_q[3]) || rd_addr_q != wr_addr_q)
 endmodule : slog_dense_memory

@@ -21,9 +21,11 @@
 // Rules      : rows as in slog_dense_wide_group; from a row to the next but one it is more clocks than words of a row and
 //              groups together. A right row begins up to Offsets - 1 columns before the left one, or after it: the right
 //              plane's word for offset 0 comes with the left one. Columns of a word beyond the row are 0; in the first
-//              Window rows the leaving bits are 0, in rows outside a plane all. flush_i is held before a pass for Flush
-//              clocks or more in which nothing is in a row, nor in the clock after them.
-// Reset      : rst_i is held for 1 clock or more; then comes a flush. What is left of a row that the reset cut is dropped.
+//              Window rows the leaving bits are 0, and so is each bit whose own row lies outside the plane. flush_i is held
+//              before a pass for Flush clocks or more in which nothing is in a row, nor in the clock after them. A flush
+//              begins 10 clocks after the last left word or later: the winners of words in the 9 clocks before it are lost.
+// Reset      : rst_i is held for 1 clock or more; then comes a flush before the first row. What is left of a row that the
+//              reset cut is dropped.
 `include "slog_assert.svh"
 module slog_dense_wide
   import slog_dense_wide_pkg::*;
@@ -136,9 +138,61 @@ module slog_dense_wide
   `SLOG_ASSERT_INIT(SlogDenseWideSizes, Groups >= 1 && Groups * Columns == Offsets && Offsets <= 2 ** IndexBits &&
                     Ago >= 1 && Ago * Columns == Window && Window <= 32)
 `ifndef SYNTHESIS
-  logic [15:0] flushed_q;  // clocks that the flush lasts, up to Flush
-  always_ff @(posedge clk_i) flushed_q <= rst_i || !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
+  localparam int unsigned MinWords = 4;
+  // What the rules count: of the left plane, of the right one, since the flush.
+  typedef struct packed {
+    logic        odd;     // of the last word
+    logic        began;   // there was one
+    logic [15:0] ended;   // rows before that of the last word, up to Window
+  } rows_t;
+  rows_t left_rows_q, right_rows_q;
+  logic [15:0] flushed_q;         // clocks that the flush lasts, up to Flush
+  logic fresh_q;                  // a reset came, and no flush since
+  logic past_first, past_right;
+  logic [15:0] words_q;           // of the left row, as long as it lasts; of the last one after it
+  logic [15:0] since_q, since2_q; // clocks from the first words of the last left row and of the one before it
+  logic [OutLag-2:0] late_q;      // left words in the clocks before, of which a flush would drop the winners
+  logic left_begins;
+  assign left_begins = left_valid_i && !left_valid_q;
+
+  function automatic rows_t after(rows_t rows, logic valid, logic odd);
+    return '{odd: valid ? odd : rows.odd, began: valid || rows.began,
+             ended: rows.ended + 16'(valid && rows.began && odd != rows.odd && 32'(rows.ended) < Window)};
+  endfunction
+  function automatic logic [15:0] later(logic [15:0] clocks);
+    return clocks + 16'(clocks != '1);
+  endfunction
+
+  always_ff @(posedge clk_i) begin
+    flushed_q    <= rst_i || !flush_i ? '0 : flushed_q + 16'(32'(flushed_q) < Flush);
+    fresh_q      <= rst_i || (fresh_q && 32'(flushed_q) != Flush);
+    left_rows_q  <= rst_i || flush_i ? '0 : after(left_rows_q, left_valid_i, left_odd_i);
+    right_rows_q <= rst_i || flush_i ? '0 : after(right_rows_q, right_valid_i, right_odd_i);
+    past_first   <= first_i;
+    past_right   <= right_valid_i;
+    words_q      <= rst_i || flush_i ? '0 : left_begins ? 16'd1 : words_q + 16'(left_valid_i);
+    since_q      <= rst_i || flush_i ? '1 : left_begins ? 16'd1 : later(since_q);
+    since2_q     <= rst_i || flush_i ? '1 : left_begins ? later(since_q) : later(since2_q);
+    late_q       <= rst_i ? '0 : {late_q[OutLag-3:0], left_valid_i};
+  end
 `endif
   `SLOG_ASSERT(SlogDenseWideWholeFlush, flush_i || flushed_q == '0 || 32'(flushed_q) == Flush)
-  `SLOG_ASSERT(SlogDenseWideFlush, !(flush_i || flush_in_q) || !(left_valid_i || right_valid_i))
+  `SLOG_ASSERT(SlogDenseWideFlush, !(flush_i || flush_in_q || fresh_q) || !(left_valid_i || right_valid_i))
+  `SLOG_ASSERT(SlogDenseWideLate, !flush_i || late_q == '0)
+  `SLOG_ASSERT(SlogDenseWideWords, !left_valid_q || left_valid_i || 32'(words_q) >= MinWords)
+  // A row's words are of one parity, without a pause, and the next row's of the other: in the left plane after one.
+  `SLOG_ASSERT(SlogDenseWideLeftRows, !left_valid_i || !left_rows_q.began ||
+               (left_odd_i == left_rows_q.odd) == left_valid_q)
+  `SLOG_ASSERT(SlogDenseWideRightRows, !right_valid_i || !right_rows_q.began ||
+               past_right || right_odd_i != right_rows_q.odd)
+  `SLOG_ASSERT(SlogDenseWideFirst, !left_begins || first_i == !left_rows_q.began)
+  `SLOG_ASSERT(SlogDenseWideFirstStays, !(left_valid_i && left_valid_q) || first_i == past_first)
+  `SLOG_ASSERT(SlogDenseWideLeaving,
+               (!left_valid_i || left_leaving_i == '0 || 32'(after(left_rows_q, 1'b1, left_odd_i).ended) == Window) &&
+               (!right_valid_i || right_leaving_i == '0 || 32'(after(right_rows_q, 1'b1, right_odd_i).ended) == Window))
+  `SLOG_ASSERT(SlogDenseWideTwoRows, !left_begins || 32'(since2_q) > 32'(words_q) + Groups)
+  for (genvar j = 0; j < Columns; j++) begin : g_column
+    `SLOG_ASSERT(SlogDenseWideSum, !winner_valid_o || winner_q[j].score.absent ||
+                 32'(winner_q[j].score.sum) <= Window * Window)
+  end
 endmodule : slog_dense_wide

@@ -13,8 +13,9 @@
 //   5    slog_dense_wide_winner        10: winner_o; winner_i is taken at 9
 // Latency    : left_i to left_o and winner_i to winner_o 1 clock, right_i to right_o 2: groups in a row fit together.
 // Throughput : four pixels per clock.
-// Rules      : a row is four words or more, without a pause; a clock or more lies between rows of either plane. first: all
-//              words of a pass' first row. clear_i as in slog_dense_wide_lane; what comes in with it is not in a row.
+// Rules      : a left row is four words or more; a clock or more lies between left rows. A right row may follow the one
+//              before at once. No row has a pause. first: all words of a pass' first row, and of no other. slog_dense_wide
+//              asserts this for all groups. clear_i as in slog_dense_wide_lane; what comes in with it is not in a row.
 // Reset      : rst_i is held for 1 clock or more; clear_i is high in the clock after it.
 `include "slog_assert.svh"
 module slog_dense_wide_group
@@ -45,6 +46,7 @@ module slog_dense_wide_group
   wide_bits_t left_q, right_q, right_q2;
   wide_ok_t left_ok_q, right_ok_q, right_ok_q2;
   logic [Columns-1:0] right_ok, right_ok_before;  // of the row that the left word is of
+  logic [Columns-1:0][Columns-1:0] ok;            // of each offset and column
   wide_sums_t [Columns-1:0] above, sums;
   wide_score_t [Columns-1:0][Columns-1:0] score;  // of each offset and column
 
@@ -70,6 +72,7 @@ module slog_dense_wide_group
   assign right_ok_before = right_ok_q.columns & {Columns{right_ok_q.odd == left_ok_i.odd}};
 
   for (genvar s = 0; s < Columns; s++) begin : g_lane
+    assign ok[s] = left_ok_i.columns & shifted(right_ok, right_ok_before, s);
     slog_dense_wide_lane u_lane (
         .clk_i,
         .clear_i,
@@ -78,7 +81,7 @@ module slog_dense_wide_group
                    leaving: shifted(right_i.leaving, right_q.leaving, s),
                    incoming_ago: shifted(right_i.incoming_ago, right_q.incoming_ago, s),
                    leaving_ago: shifted(right_i.leaving_ago, right_q.leaving_ago, s)}),
-        .ok_i   (left_ok_i.columns & shifted(right_ok, right_ok_before, s)),
+        .ok_i   (ok[s]),
         .above_i(above[s]),
         .sums_o (sums[s]),
         .score_o(score[s])
@@ -115,4 +118,24 @@ module slog_dense_wide_group
   assign right_ok_o = right_ok_q2;
 
   `SLOG_ASSERT_INIT(SlogDenseWideGroupSizes, MaxWidth % Columns == 0 && MaxWidth >= 4 * Columns)
+  `SLOG_PAST(past_rst, rst_i)
+  `SLOG_ASSERT(SlogDenseWideGroupReset, !past_rst || clear_i)
+`ifndef SYNTHESIS
+  localparam int unsigned ScoreLag = 7;
+  logic [ScoreLag-1:0] run_q;  // [n]: in a row n + 1 clocks ago, and no clear_i since
+  always_ff @(posedge clk_i) run_q <= rst_i || clear_i ? '0 : {run_q[ScoreLag-2:0], in_row_i};
+
+  function automatic logic is_within(logic signed [7:0] value, int most);
+    return 32'(value) >= -most && 32'(value) <= most;
+  endfunction
+`endif
+  // Sums of windows that lie in both planes, of 32x32 pixels at most.
+  for (genvar s = 0; s < Columns; s++) begin : g_sums
+    `SLOG_ASSERT(SlogDenseWideGroupLess, !run_q[ScoreLag-2] ||
+                 ((!ok[s][0] || is_within(sums[s].less0, 96)) && (!ok[s][1] || is_within(sums[s].less1, 64)) &&
+                  (!ok[s][2] || is_within(8'(sums[s].less2), 32))))
+    for (genvar j = 0; j < Columns; j++) begin : g_sum
+      `SLOG_ASSERT(SlogDenseWideGroupSum, !run_q[ScoreLag-1] || score[s][j].absent || 32'(score[s][j].sum) <= 1024)
+    end
+  end
 endmodule : slog_dense_wide_group

@@ -98,4 +98,16 @@ module slog_dense_wide_lane
   assign score_o = score_q;
 
   `SLOG_ASSERT_INIT(SlogDenseWideLaneWord, Columns == 4)
+`ifndef SYNTHESIS
+  localparam int unsigned MaxWindow = 32;
+  localparam int unsigned Calm      = MaxWindow / Columns + 5;
+  logic [3:0] calm_q;  // clocks for which the streams have been 0, up to Calm
+  logic known_q;       // delta is what came in since clear_i, whatever the window is
+  always_ff @(posedge clk_i) begin
+    calm_q <= {left_i, right_i} != '0 ? '0 : calm_q + 4'(32'(calm_q) < Calm);
+    if (clear_i) known_q <= 32'(calm_q) == Calm;
+  end
+`endif
+  `SLOG_ASSERT_NO_RESET(SlogDenseWideLaneDelta, !known_q ||
+                        (32'(delta_q) <= int'(MaxWindow) && 32'(delta_q) >= -int'(MaxWindow)))
 endmodule : slog_dense_wide_lane

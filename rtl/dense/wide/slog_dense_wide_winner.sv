@@ -50,5 +50,27 @@ module slog_dense_wide_winner
   end
   assign winner_o = winner_q;
 
-  `SLOG_ASSERT_NO_RESET(SlogDenseWideWinnerPairs, pair_q[0].offset < 2'd2 && pair_q[1].offset >= 2'd2)
+`ifndef SYNTHESIS
+  wide_score_t [Columns-1:0] past_score, group_score;  // score_i of the clock before; those that best_q is of
+  best_t past_best;
+  wide_winner_t past_winner;
+  logic [GroupBits-1:0] past_base;
+  always_ff @(posedge clk_i) begin
+    past_score  <= score_i;
+    group_score <= past_score;
+    past_best   <= best_q;
+    past_winner <= winner_i;
+    past_base   <= base_i;
+  end
+`endif
+  for (genvar s = 0; s < Columns; s++) begin : g_score
+    `SLOG_ASSERT_NO_RESET(SlogDenseWideWinnerBest, !is_less(group_score[s], best_q.score) &&
+                          (!is_above(32'(best_q.offset), s) || is_less(best_q.score, group_score[s])))
+  end
+  `SLOG_ASSERT_NO_RESET(SlogDenseWideWinnerOwn, best_q.score == group_score[best_q.offset])
+  `SLOG_ASSERT_NO_RESET(SlogDenseWideWinnerLeast, !is_less(past_winner.score, winner_q.score) &&
+                        !is_less(past_best.score, winner_q.score))
+  `SLOG_ASSERT_NO_RESET(SlogDenseWideWinnerOneOf, winner_q == past_winner ||
+                        (winner_q == '{index: {past_base, past_best.offset}, score: past_best.score} &&
+                         is_less(past_best.score, past_winner.score)))
 endmodule : slog_dense_wide_winner
