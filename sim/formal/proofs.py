@@ -227,8 +227,9 @@ REASONS: Mapping[str, str] = {
     "slog_dense_stream": "see `slog_dense_feed`",
     "slog_dense_wide": WIRES,
     "slog_dense_wide_group": WIRES,
-    "slog_dense_wide_lane": "counting four windows at once is too much for the solver; the sums of one column are "
-                            "proved in `dense_lanes_4`, whole maps are compared with the frame level",
+    "slog_dense_wide_lane": "counting four windows at once is too much for the solver; `dense_lanes_4` proves the "
+                            "same recurrence for the engine of one pixel a clock, whole maps are compared with the "
+                            "frame level",
     "slog_dense_wide_winner": DATA,
     "slog_dense_winner": DATA,
     "slog_fir": DATA,

@@ -14,7 +14,7 @@ from tests.fuzz.corpus import KINDS
 from tests.fuzz.judge import FAILURES, Outcome, judge
 from tests.fuzz.mutate import edits
 
-CASES, SEED = 600, 16
+CASES, SEED = 450, 16
 
 
 @pytest.mark.slow
