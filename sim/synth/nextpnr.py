@@ -16,7 +16,7 @@ from sim.synth.tools import run_tool
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGETS_MHZ = (152, 150.5, 146, 140, 125)
 """Targets of place and route, 150 and a margin, and the targets of routing where a higher one cannot be met."""
-DENSE_TARGETS_MHZ = (176, 160, 154, 150, 146)
+DENSE_TARGETS_MHZ = (176, 165, 160, 155, 150, 146)
 """The same of boards with the dense engine instead of the array."""
 PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """The placer of nextpnr that weighs timing, three times as heavily as by default: a few wires across the device decide
