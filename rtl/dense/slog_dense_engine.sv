@@ -18,8 +18,8 @@
 // Ties       : the first of equals.
 // Rules      : rows as in slog_dense_group. A right row begins up to Offsets - 1 clocks before the left one, or after it:
 //              the right plane's pixel for offset 0 comes with the left one. In the first W rows the leaving bits are 0,
-//              and so is each bit whose own row lies outside the plane. flush_i is held before a pass for Flush clocks or more in which nothing
-//              is in a row, nor in the clock after them; shrink_i and offsets_i change only while
+//              and so is each bit whose own row lies outside the plane. flush_i is held before a pass for Flush clocks
+//              or more in which nothing is in a row, nor in the clock after them; shrink_i and offsets_i change only while
 //              nothing is in a row, and are constant from the flush on.
 // Reset      : rst_i is held for 1 clock or more; then comes a flush. From the reset to the flush all groups are cleared, so
 //              what is left of a row that the reset cut does not run, and no winner is valid.

@@ -11,7 +11,8 @@
 // Latency    : run_i to above_o 3 clocks; sum_i is taken 4 clocks after run_i.
 // Throughput : one word read and one written per clock.
 // Rules      : run_i is high from a row's first column to the clock in which the last lane has its last one, for Depth
-//              clocks or fewer, and low for one clock at least between rows. In a pass' first row, first_i high with run_i, above_o is 0.
+//              clocks or fewer, and low for one clock at least between rows. In a pass' first row, first_i high with
+//              run_i, above_o is 0.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_memory #(
