@@ -52,6 +52,7 @@ correlator/slog_grid.sv
 frontend/slog_video_in.sv
 frontend/slog_line_bank.sv
 frontend/slog_line_buffer.sv
+frontend/slog_fir_tree.sv
 frontend/slog_fir_kernel.sv
 frontend/slog_fir.sv
 frontend/slog_taps_slice.sv

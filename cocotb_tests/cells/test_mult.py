@@ -26,7 +26,7 @@ def _products(rng: random.Random) -> Stimulus:
         if left == 0:
             left = rng.randint(1, 12)
             b = _operand(rng)
-            for _ in range(2):
+            for _ in range(rng.randint(1, 2)):
                 yield {"en_i": 0, "a_i": _operand(rng), "b_i": b}
         left -= 1
         yield {"en_i": 1, "a_i": _operand(rng), "b_i": b}

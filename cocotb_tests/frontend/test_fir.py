@@ -8,7 +8,7 @@ import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
-from golden.cycle.frontend.fir import FirModel, adder_levels
+from golden.cycle.frontend.fir import FirModel, fir_latency
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.traffic.stalls import SHAPES, ready_pattern
 from sim.testbench.runner import simulate
@@ -16,7 +16,7 @@ from sim.testbench.runner import simulate
 
 def _windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     """Random windows, and coefficients that change whenever the pipeline is empty; resets in between."""
-    radius, latency = p["Radius"], 7 + adder_levels(p["Radius"])
+    radius, latency = p["Radius"], fir_latency(p["Radius"], p["SumW"])
     bits = p["DataW"] * (2 * radius + 1)
     offer = ready_pattern(shape, rng)
     for run in range(12):

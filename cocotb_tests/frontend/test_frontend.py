@@ -57,7 +57,7 @@ async def sizes(dut, size: tuple[int, int]) -> None:
     await check_cycles(dut, _model(), _video(rng, items, _settings(*size, sigma), "none"), watch)
     seen.check(items, *_kernels(sigma))
     assert seen.stalled == 0
-    latency = 36 + p["Radius"] + 2 * adder_levels(p["Radius"]) + p["GroupBits"]
+    latency = 38 + p["Radius"] + 2 * adder_levels(p["Radius"]) + p["GroupBits"]
     rows = [sent[frame * size[1] + p["Radius"]] for frame in range(3)]
     assert [b - a for a, b in zip(rows, seen.first_word, strict=True)] == [latency] * 3
 

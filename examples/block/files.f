@@ -7,6 +7,7 @@
 ../../rtl/frontend/slog_video_in.sv
 ../../rtl/frontend/slog_line_bank.sv
 ../../rtl/frontend/slog_line_buffer.sv
+../../rtl/frontend/slog_fir_tree.sv
 ../../rtl/frontend/slog_fir_kernel.sv
 ../../rtl/frontend/slog_fir.sv
 ../../rtl/frontend/slog_taps_slice.sv

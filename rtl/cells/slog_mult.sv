@@ -10,8 +10,8 @@
 // Latency    : 3 clocks. en_i must be high in all of them, the first being that of a_i.
 // Throughput : one product per clock.
 // Rules      : en_i low discards all products in the pipeline; p_o is undefined until three clocks after en_i rises again.
-//              en_i only saves simulation time; the ECP5 twin ignores it. b_i is constant from two clocks before en_i
-//              rises until en_i falls, because the twin registers it twice.
+//              en_i only saves simulation time; the ECP5 twin ignores it. b_i is constant from the clock before en_i
+//              rises until en_i falls, because the twin registers it.
 // Formats    : two's complement, 18 x 18 -> 36 bits, exact.
 // Twin       : ecp5/slog_mult.sv is the same module on the ECP5's multiplier block.
 `include "slog_assert.svh"
@@ -41,6 +41,5 @@ module slog_mult (
   assign p_o = 36'(p_q2);
 
   `SLOG_PAST(past_b, b_i)
-  `SLOG_PAST(past_b2, past_b)
-  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, !en_i || (b_i == past_b && b_i == past_b2))
+  `SLOG_ASSERT_NO_RESET(SlogMultCoefficientStable, !en_i || b_i == past_b)
 endmodule : slog_mult

@@ -3,7 +3,7 @@
 //
 // Latency, throughput, rules, formats: those of ../cells/slog_mult.sv. The registers have no clock enable: the four
 // multipliers of a block share four enables, which would constrain placement too much. The coefficient passes through
-// two registers, because its source lies far away.
+// a register, because its source lies far away.
 module slog_mult (
     input  logic               clk_i,
     /* verilator lint_off UNUSEDSIGNAL */
@@ -13,11 +13,8 @@ module slog_mult (
     input  logic signed [17:0] b_i,
     output logic signed [35:0] p_o
 );
-  logic [17:0] b_q, b_q2;
-  always_ff @(posedge clk_i) begin
-    b_q  <= b_i;
-    b_q2 <= b_q;
-  end
+  logic [17:0] b_q;
+  always_ff @(posedge clk_i) b_q <= b_i;
 
   MULT18X18D #(
       .REG_INPUTA_CLK("CLK0"), .REG_INPUTA_CE("CE0"), .REG_INPUTA_RST("RST0"),
@@ -33,9 +30,9 @@ module slog_mult (
       .A0(a_i[0]), .A1(a_i[1]), .A2(a_i[2]), .A3(a_i[3]), .A4(a_i[4]), .A5(a_i[5]),
       .A6(a_i[6]), .A7(a_i[7]), .A8(a_i[8]), .A9(a_i[9]), .A10(a_i[10]), .A11(a_i[11]),
       .A12(a_i[12]), .A13(a_i[13]), .A14(a_i[14]), .A15(a_i[15]), .A16(a_i[16]), .A17(a_i[17]),
-      .B0(b_q2[0]), .B1(b_q2[1]), .B2(b_q2[2]), .B3(b_q2[3]), .B4(b_q2[4]), .B5(b_q2[5]),
-      .B6(b_q2[6]), .B7(b_q2[7]), .B8(b_q2[8]), .B9(b_q2[9]), .B10(b_q2[10]), .B11(b_q2[11]),
-      .B12(b_q2[12]), .B13(b_q2[13]), .B14(b_q2[14]), .B15(b_q2[15]), .B16(b_q2[16]), .B17(b_q2[17]),
+      .B0(b_q[0]), .B1(b_q[1]), .B2(b_q[2]), .B3(b_q[3]), .B4(b_q[4]), .B5(b_q[5]),
+      .B6(b_q[6]), .B7(b_q[7]), .B8(b_q[8]), .B9(b_q[9]), .B10(b_q[10]), .B11(b_q[11]),
+      .B12(b_q[12]), .B13(b_q[13]), .B14(b_q[14]), .B15(b_q[15]), .B16(b_q[16]), .B17(b_q[17]),
       .P0(p_o[0]), .P1(p_o[1]), .P2(p_o[2]), .P3(p_o[3]), .P4(p_o[4]), .P5(p_o[5]),
       .P6(p_o[6]), .P7(p_o[7]), .P8(p_o[8]), .P9(p_o[9]), .P10(p_o[10]), .P11(p_o[11]),
       .P12(p_o[12]), .P13(p_o[13]), .P14(p_o[14]), .P15(p_o[15]), .P16(p_o[16]), .P17(p_o[17]),

@@ -5,8 +5,9 @@
 // sum_o[k] = Bias + sum over d = 0..R of coef_i[k][d] * fold[d]
 //
 // Stages     : 1 fold    then slog_fir_kernel: 2 operands    3..5 multiply    6 terms    clog2(Radius + 2) levels of
-//              adders, and 1
-// Latency    : 7 + clog2(Radius + 2) clocks from valid_i and window_i to sum_o, which is undefined in other clocks.
+//              adders, and 1, or 2 for sums of more than 24 bits
+// Latency    : 7 + clog2(Radius + 2) clocks from valid_i and window_i to sum_o, one more with SumW > 24; sum_o is undefined
+//              in other clocks.
 // Throughput : one window per clock.
 // Formats    : window in fields of DataW bits: two's complement in the lower 18 if DataW >= 18, else unsigned; fold modulo
 //              2**18; coefficients 18-bit signed, constant from the clock of a valid window until its multiplication is

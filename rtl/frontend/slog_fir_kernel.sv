@@ -3,9 +3,10 @@
 //
 // sum_o = Bias + sum over d = 0..Radius of coef_i[d] * fold_i[d]
 //
-// Stages     : 1 operands    2..4 multiply    5 terms, because the multipliers lie far from the adders    then
-//              clog2(Radius + 2) levels of adders, one more register before the last two, because the terms lie far apart
-// Latency    : 6 + clog2(Radius + 2) clocks from fold_i to sum_o.
+// Stages     : 1 operands    2..4 multiply    5 terms, because the multipliers lie far from the adders    then slog_fir_tree:
+//              clog2(Radius + 2) + 1. Sums of more than 24 bits are added in halves, the upper one a clock later, with the
+//              carries of the lower one: a chain of carries as long as the sum would decide the clock.
+// Latency    : 6 + clog2(Radius + 2) clocks from fold_i to sum_o, and one more with halves.
 // Throughput : one fold per clock.
 // Rules      : en_i is low only in clocks in which none of stages 1..3 holds a valid value. coef_i is constant from the clock
 //              before a valid fold_i until its product is computed. slog_fir ensures both; it has the valid bits.
@@ -13,11 +14,10 @@
 //              coefficients 18-bit signed; sum modulo 2**SumW, SumW <= 36.
 `include "slog_assert.svh"
 module slog_fir_kernel #(
-    parameter  int unsigned Radius = 8,
-    parameter  int unsigned FoldW  = 9,
-    parameter  int unsigned SumW   = 25,
-    parameter  int          Bias   = 0,
-    localparam int unsigned Levels = $clog2(Radius + 2)
+    parameter int unsigned Radius = 8,
+    parameter int unsigned FoldW  = 9,
+    parameter int unsigned SumW   = 25,
+    parameter int          Bias   = 0
 ) (
     input  logic                  clk_i,
     input  logic                  en_i,
@@ -26,20 +26,24 @@ module slog_fir_kernel #(
     output logic [SumW-1:0]       sum_o
 );
   localparam int unsigned Terms = Radius + 2;  // the taps and the bias
+  localparam bit Halves         = SumW > 24;
+  localparam int unsigned LowW  = Halves ? SumW / 2 : SumW;
+  localparam int unsigned HighW = SumW - LowW;
   localparam logic [31:0] Used  = (32'd1 << FoldW) - 32'd1;
-
-  // Terms left after `level` levels of pairwise addition.
-  function automatic int unsigned terms(int unsigned level);
-    return (Terms + (1 << level) - 1) >> level;
-  endfunction
 
   logic [Radius:0][31:0] fold_q;
   always_ff @(posedge clk_i) fold_q <= fold_i & {(Radius + 1) {Used}};
 
+  // The terms, the bias last, in halves or whole: machine words again.
+  logic [Terms-1:0][31:0] low_q;
+  logic [LowW-1:0] low_sum;
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [Terms-1:0][31:0] high_q2;
+  logic [Terms-2:0] carry /* verilator split_var */;  // of the lower half; a whole sum's are dropped
+  /* verilator lint_on UNUSEDSIGNAL */
   for (genvar d = 0; d <= Radius; d++) begin : g_tap
     logic [35:0] product;
-    logic [SumW-1:0] term;
-    always_ff @(posedge clk_i) term <= product[SumW-1:0];
+    always_ff @(posedge clk_i) low_q[d] <= 32'(product[LowW-1:0]);
     slog_mult u_mult (
         .clk_i,
         .en_i,
@@ -47,37 +51,51 @@ module slog_fir_kernel #(
         .b_i (coef_i[d]),
         .p_o (product)
     );
-  end
-
-  for (genvar l = 0; l < Levels; l++) begin : g_level
-    for (genvar i = 0; i < terms(l + 1); i++) begin : g_node
-      logic [SumW-1:0] sum, sum_q, term;
-      if (l > 0) begin : g_inner
-        if (2 * i + 1 < terms(l)) begin : g_pair
-          assign sum = g_level[l-1].g_node[2*i].term + g_level[l-1].g_node[2*i+1].term;
-        end else begin : g_single
-          assign sum = g_level[l-1].g_node[2*i].term;
-        end
-      end else begin : g_leaf
-        if (2 * i + 1 <= Radius) begin : g_pair
-          assign sum = g_tap[2*i].term + g_tap[2*i+1].term;
-        end else if (2 * i == Radius) begin : g_bias
-          assign sum = g_tap[2*i].term + SumW'(Bias);
-        end else begin : g_single
-          assign sum = SumW'(Bias);
-        end
+    if (Halves) begin : g_high
+      logic [HighW-1:0] high_q;
+      always_ff @(posedge clk_i) begin
+        high_q     <= product[SumW-1:LowW];
+        high_q2[d] <= 32'(high_q);
       end
-      always_ff @(posedge clk_i) sum_q <= sum;
-      if (l + 3 == Levels) begin : g_far
-        logic [SumW-1:0] sum_q2;
-        always_ff @(posedge clk_i) sum_q2 <= sum_q;
-        assign term = sum_q2;
-      end else begin : g_near
-        assign term = sum_q;
-      end
+    end else begin : g_whole
+      assign high_q2[d] = '0;
     end
   end
-  assign sum_o = g_level[Levels-1].g_node[0].term;
+  assign low_q[Radius+1]   = 32'(LowW'(Bias));
+  assign high_q2[Radius+1] = 32'(SumW'(Bias) >> LowW);
 
-  `SLOG_ASSERT_INIT(SlogFirKernelWidths, SumW <= 36 && FoldW <= 18 && Levels > 2)
+  slog_fir_tree #(
+      .Terms  (Terms),
+      .SumW   (LowW),
+      .CarryIn(1'b0)
+  ) u_low (
+      .clk_i,
+      .term_i (low_q),
+      .carry_i('0),
+      .carry_o(carry),
+      .sum_o  (low_sum)
+  );
+
+  if (Halves) begin : g_halves
+    logic [HighW-1:0] high_sum;
+    logic [LowW-1:0] low_sum_q;
+    always_ff @(posedge clk_i) low_sum_q <= low_sum;
+    /* verilator lint_off PINCONNECTEMPTY */
+    slog_fir_tree #(
+        .Terms(Terms),
+        .SumW (HighW)
+    ) u_high (
+        .clk_i,
+        .term_i (high_q2),
+        .carry_i(carry),
+        .carry_o(),
+        .sum_o  (high_sum)
+    );
+    /* verilator lint_on PINCONNECTEMPTY */
+    assign sum_o = {high_sum, low_sum_q};
+  end else begin : g_whole
+    assign sum_o = low_sum;
+  end
+
+  `SLOG_ASSERT_INIT(SlogFirKernelWidths, SumW <= 36 && FoldW <= 18)
 endmodule : slog_fir_kernel

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One camera's front end: video in, sign of LoG, words of sign bits out. Wiring only.
 //
-// Latency    : 36 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, when idle, to the
-//              first word of the row Radius lines above it: 126 for full, 60 for tiny.
+// Latency    : 38 + Radius + 2 clog2(Radius + 2) + GroupBits clocks from the last pixel of a line, when idle, to the
+//              first word of the row Radius lines above it: 128 for full, 62 for tiny.
 // Throughput : one pixel per clock, no blanking between lines or frames; words cannot be stalled.
 // Abort      : abort_i in clock t drops the frame being received in clock t + 2, in which no pixel is accepted.
 // Order      : frame_start_o, GroupBits - 1 clocks later the first word, ..., the last word with frame_done_o; or else

@@ -4,9 +4,9 @@
 // v = (g * p + 64) >> 7, v2 = (g2 * p + 64) >> 7 down the columns; bit = g2 * v + g * v2 > 0 along the rows. Past the
 // image the border pixels are repeated. g sums to 2**15, g2 to 0, its positive taps to at most 2**15.
 //
-// Stages     : input 1, line buffer 7, vertical FIR 7 + L, window Radius + 2, horizontal FIR 7 + L, sum 1;
+// Stages     : input 1, line buffer 7, vertical FIR 7 + L, window Radius + 2, horizontal FIR 8 + L, sum 2, by halves;
 //              L = clog2(Radius + 2)
-// Latency    : 25 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 51 at radius 16, 41 at radius 8.
+// Latency    : 27 + Radius + 2 L clocks from px_valid_i to bit_valid_o: 53 at radius 16, 43 at radius 8.
 //              busy_o is high from 3 clocks after a pixel or an abort enters to 1 clock after it leaves.
 // Throughput : one pixel per clock, whole lines in consecutive clocks. px_live_i only under an output row.
 // Formats    : pixels unsigned 8 bits; v, v2 17 bits signed; response 36 bits signed, of which only "> 0" is output.
@@ -18,7 +18,7 @@ module slog_log #(
     localparam int unsigned ColW     = $clog2(MaxWidth),
     localparam int unsigned DistW    = $clog2(Radius + 1),
     localparam int unsigned Levels   = $clog2(Radius + 2),
-    localparam int unsigned Latency  = 25 + Radius + 2 * Levels
+    localparam int unsigned Latency  = 27 + Radius + 2 * Levels
 ) (
     input  logic                  clk_i,
     input  logic                  rst_i,
@@ -49,6 +49,7 @@ module slog_log #(
   localparam int unsigned ToTaps     = ToVertical + FirLatency;
   localparam int unsigned SumV       = 24;  // wide enough for the sums; single products may wrap
   localparam int unsigned SumH       = 36;
+  localparam int unsigned LowH       = SumH / 2;
   localparam int unsigned LeftW      = $clog2(Latency + 1);
 
   // The source of the pixels lies far away.
@@ -186,10 +187,22 @@ module slog_log #(
       .sum_o   (term_b)
   );
 
-  logic            dark_q;  // not > 0
-  logic [SumH-1:0] response_less_1;
-  assign response_less_1 = term_a + term_b;
-  always_ff @(posedge clk_i) dark_q <= response_less_1[SumH-1];
+  // Of the lower half's sum only the carry matters, of the upper half's the sign.
+  logic              dark_q;  // not > 0
+  logic              carry_q;
+  logic [LowH-1:0]   upper_a_q, upper_b_q;
+  /* verilator lint_off UNUSEDSIGNAL */
+  logic [LowH:0]     lower;
+  logic [LowH:0]     upper;
+  /* verilator lint_on UNUSEDSIGNAL */
+  assign lower = {1'b0, term_a[LowH-1:0]} + {1'b0, term_b[LowH-1:0]};
+  assign upper = {upper_a_q, 1'b1} + {upper_b_q, carry_q};
+  always_ff @(posedge clk_i) begin
+    carry_q   <= lower[LowH];
+    upper_a_q <= term_a[SumH-1:LowH];
+    upper_b_q <= term_b[SumH-1:LowH];
+    dark_q    <= upper[LowH];
+  end
 
   assign bit_o       = !dark_q;
   assign bit_valid_o = live_q[Latency-1];

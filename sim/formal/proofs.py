@@ -234,6 +234,7 @@ REASONS: Mapping[str, str] = {
     "slog_dense_winner": DATA,
     "slog_fir": DATA,
     "slog_fir_kernel": DATA,
+    "slog_fir_tree": DATA,
     "slog_frontend": LARGE,
     "slog_lanes": DATA,
     "slog_line_bank": DATA,

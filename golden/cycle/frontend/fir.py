@@ -14,8 +14,13 @@ def adder_levels(radius: int) -> int:
     return (radius + 1).bit_length()
 
 
+def fir_latency(radius: int, sum_bits: int) -> int:
+    """Clocks from the window to the sums: sums of more than 24 bits are added in halves, which takes one more."""
+    return 7 + adder_levels(radius) + (sum_bits > 24)
+
+
 class FirModel:
-    """Symmetric FIR: 7 + `adder_levels(radius)` clocks from window to sums; undefined where no window was valid."""
+    """Symmetric FIR: `fir_latency` clocks from window to sums; undefined where no window was valid."""
 
     INPUTS = ("rst_i", "valid_i", "window_i", "coef_i")
     OUTPUTS = ("sum_o",)
@@ -23,7 +28,7 @@ class FirModel:
     def __init__(self, radius: int, data_bits: int, kernels: int, sum_bits: int, bias: int) -> None:
         self.radius, self.data_bits = radius, data_bits
         self.kernels, self.sum_bits, self.bias = kernels, sum_bits, bias
-        self.pipe: deque[int | None] = deque([None] * (6 + adder_levels(radius)))
+        self.pipe: deque[int | None] = deque([None] * (fir_latency(radius, sum_bits) - 1))
         self.sum: int | None = None
 
     def step(self, i: Inputs) -> Values:

@@ -35,7 +35,7 @@ class LogModel:
 
     def __init__(self, max_width: int, radius: int) -> None:
         self.radius = radius
-        self.latency = 25 + radius + 2 * adder_levels(radius)
+        self.latency = 27 + radius + 2 * adder_levels(radius)
         self.lines: list[deque[int | None]] = [deque([None] * (2 * radius), 2 * radius) for _ in range(max_width)]
         self.row = _Row()
         self.pipe: deque[dict[str, int]] = deque([{} for _ in range(self.latency)])
