@@ -81,7 +81,7 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
         live, down = int(rng.random() < 0.85), rng.choice((0, 0, rng.randint(-4, 4), rng.randint(-14, 14), -512, 511))
         if rng.random() < 0.2:
             slots[1] = slots[0]
-        job = {"live_i": live, "left_slot_i": slots[0], "right_slot_i": slots[1], "down_i": down & 0x3FF}
+        job = {"live_i": live, "slots_i": 1 << slots[0] | 1 << 8 + slots[1], "down_i": down & 0x3FF}
         for c in (0, 1):
             if rng.random() < 0.85:
                 cameras.ask(c, [slots[c]] if rng.random() < 0.8 else [rng.randrange(5)])

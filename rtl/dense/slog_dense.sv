@@ -84,6 +84,7 @@ module slog_dense
   logic plan_start, planned, pass_begin, flush, clear, row, feed_busy, reserve, room, empty, taken, tail;
   logic reading, there, whole, lost;
   logic [1:0] here, keep;
+  logic [1:0][7:0] slots;
   dense_status_e plan_status;
 
   slog_dense_pass #(
@@ -98,6 +99,7 @@ module slog_dense
       .image_height_i,
       .slot_busy_o,
       .job_o         (job),
+      .slots_o       (slots),
       .image_width_o (width),
       .image_height_o(height),
       .plan_o        (plan_start),
@@ -151,19 +153,19 @@ module slog_dense
   );
 
   slog_dense_live #(
-      .Cameras(Cameras)
+      .Cameras(Cameras),
+      .Slots  (Slots)
   ) u_live (
       .clk_i,
       .rst_i,
       .begin_i     (plan_start),
       .reading_i   (reading),
       .live_i      (job.live),
-      .left_slot_i (job.left_slot),
-      .right_slot_i(job.right_slot),
+      .slots_i     ({slots[1][Slots-1:0], slots[0][Slots-1:0]}),
       .down_i      (job.down),
       .row_i       (row),
       .progress_i,
-      .slot_valid_i,
+      .slot_valid_i(slot_valid_i[Slots-1:0]),
       .clear_i,
       .here_o      (here),
       .keep_o      (keep),

@@ -67,6 +67,7 @@ module slog_dense_feed
   logic [9:0] not_width_q, not_height_q, width, height;
   logic begin_q;
   addr_t [1:0] above_q;                // words of the row a window's height above row 0
+  line_t limit_q;                      // image's height and the window's
   logic [1:0][10:0] delay_q;           // a plane's delay, less one
   assign width  = ~not_width_q;
   assign height = ~not_height_q;
@@ -79,6 +80,7 @@ module slog_dense_feed
     above_q[1]   <= addr_t'(plan_q.right - plan_q.above);
     delay_q[0]   <= 11'(plan_q.left_delay) - 1'b1;
     delay_q[1]   <= 11'(plan_q.right_delay) - 1'b1;
+    limit_q      <= line_t'({2'b00, height}) - line_t'(signed'({1'b1, plan_q.mask}));
     if (rst_i) begin_q <= 1'b0;
     else begin_q <= begin_i;
   end
@@ -87,11 +89,11 @@ module slog_dense_feed
   logic fresh_q;
   logic moves_q;                       // the rows are the pass's first or the next; it enables their registers
   logic [9:0] y_q;
-  line_t r_q, r_above_q;
+  line_t r_q;
   addr_t [1:0] incoming_q, leaving_q;
   logic [Settle-1:0] row_q;
   // What follows of them.
-  logic first_q, late_q, left_ok_q, right_in_q, right_in_q2, right_above_q, right_tall_q, right_ok_q;
+  logic first_q, late_q, left_ok_q, right_in_q, right_in_q2, over_q, under_q, right_above_q, right_tall_q, right_ok_q;
   logic [9:0] y_after_q;
   line_t r_after_q, r_first_q;
 
@@ -104,6 +106,12 @@ module slog_dense_feed
       moves_q <= begin_i || (row_i && !fresh_q);
     end
   end
+  // The right row a window's height above; it is over the image, or under it.
+  /* verilator lint_off UNUSEDSIGNAL */
+  line_t r_leaving;
+  /* verilator lint_on UNUSEDSIGNAL */
+  assign r_leaving = r_q + line_t'(signed'({1'b1, plan_q.mask}));
+
   always_ff @(posedge clk_i) begin
     r_first_q <= -line_t'(down_q);
     y_after_q <= y_q + 1'b1;
@@ -125,8 +133,9 @@ module slog_dense_feed
     right_tall_q  <= (r_after_q[10:0] & {1'b1, plan_q.mask}) != '0;
     right_ok_q    <= right_in_q2 && right_tall_q;
     right_in_q2   <= right_in_q;
-    r_above_q     <= r_q + line_t'(signed'({1'b1, plan_q.mask}));
-    right_above_q <= late_q && !r_above_q[11] && r_above_q < line_t'({2'b00, height});
+    over_q        <= r_leaving[11];
+    under_q       <= r_q >= limit_q;
+    right_above_q <= late_q && !over_q && !under_q;
   end
 
   function automatic logic [1:0] rows_ok(logic ok, logic odd);

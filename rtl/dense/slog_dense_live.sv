@@ -13,7 +13,7 @@
 //   (absent)   neither a frame nor a request, or the image's size changes in this clock: the job is refused
 //
 //   stage  registers
-//   1      progress_i, slot_valid_i, clear_i
+//   1      progress_i, slot_valid_i, clear_i; the slot of each camera's request, one-hot like the job's
 //   2      states, here_o and keep_o; rows of the plane's frame
 //   3      has the frame its row
 //   4      there_o, whole_o, lost_o
@@ -23,27 +23,28 @@
 // Rules      : begin_i with or after the job, which is constant while reading_i is high: from begin_i on, until no word is
 //              read any more. Between passes reading_i is low for 3 clocks or more. row_i only with there_o of that row in
 //              the clock before. While a camera is writing, the rows it has written do not become fewer.
-// Formats    : here_o and keep_o: [0] left, [1] right plane. keep_o: no capture may begin to write the plane's slot; low
-//              while it is awaited. Where live_i is low: there_o and whole_o high, lost_o low, keep_o high.
+// Formats    : slots_i, here_o and keep_o: [0] left, [1] right plane. A slot is one-hot; none: the plane is absent. keep_o:
+//              no capture may begin to write the plane's slot; low while it is awaited. Where live_i is low: there_o and
+//              whole_o high, lost_o low, keep_o high.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_dense_live
   import slog_store_pkg::*;
   import slog_compare_pkg::*;
 #(
-    parameter int unsigned Cameras = 2
+    parameter int unsigned Cameras = 2,
+    parameter int unsigned Slots   = 8
 ) (
     input  logic                          clk_i,
     input  logic                          rst_i,
     input  logic                          begin_i,
     input  logic                          reading_i,
     input  logic                          live_i,
-    input  logic                    [2:0] left_slot_i,
-    input  logic                    [2:0] right_slot_i,
+    input  logic         [1:0][Slots-1:0] slots_i,
     input  logic signed             [9:0] down_i,
     input  logic                          row_i,
     input  progress_t [Cameras-1:0]       progress_i,
-    input  logic                    [7:0] slot_valid_i,
+    input  logic              [Slots-1:0] slot_valid_i,
     input  logic                          clear_i,       // pulse: the image's size has changed
     output logic                    [1:0] here_o,        // the plane is not absent
     output logic                    [1:0] keep_o,
@@ -52,32 +53,36 @@ module slog_dense_live
     output logic                          lost_o         // a plane
 );
   // Stage 1: captures and registers are far away.
-  progress_t [Cameras-1:0] come_q;
-  logic [7:0] slot_valid_q;
+  /* verilator lint_off UNUSEDSIGNAL */
+  progress_t [Cameras-1:0] come_q;      // its request's slot is in asks_q
+  /* verilator lint_on UNUSEDSIGNAL */
+  logic [Cameras-1:0][Slots-1:0] asks_q; // the slot for which the camera has a request
+  logic [Slots-1:0] slot_valid_q;
   logic clear_q;
   always_ff @(posedge clk_i) begin
     come_q       <= progress_i;
     slot_valid_q <= slot_valid_i;
     clear_q      <= clear_i;
+    for (int unsigned c = 0; c < Cameras; c++) begin
+      for (int unsigned s = 0; s < Slots; s++) asks_q[c][s] <= progress_i[c].held && progress_i[c].slot == 3'(s);
+    end
   end
 
   // Stage 2.
-  logic [1:0][2:0] slot;
   logic [1:0] asked, writes, done;      // of the camera with a request for the plane's slot
   logic [1:0] holds;                    // the slot holds a frame
   logic [1:0] waits;
   logic [1:0] awaited_q, followed_q, whole_q, lost_q, here_q;
   logic [1:0][9:0] rows, rows_q;
-  assign slot = {right_slot_i, left_slot_i};
   always_comb begin
     asked  = '0;
     writes = '0;
     done   = '0;
     rows   = '0;
     for (int unsigned p = 0; p < 2; p++) begin
-      holds[p] = slot_valid_q[slot[p]];
+      holds[p] = (slots_i[p] & slot_valid_q) != '0;
       for (int unsigned c = 0; c < Cameras; c++) begin
-        if (come_q[c].held && come_q[c].slot == slot[p]) begin
+        if ((slots_i[p] & asks_q[c]) != '0) begin
           asked[p]  = 1'b1;
           writes[p] |= come_q[c].writing;
           done[p]   |= come_q[c].done;
@@ -138,8 +143,9 @@ module slog_dense_live
   assign whole_o = both_q;
   assign lost_o  = any_lost_q;
 
-  `SLOG_ASSERT_INIT(SlogDenseLiveCameras, Cameras <= 2)
+  `SLOG_ASSERT_INIT(SlogDenseLiveSizes, Cameras <= 2 && Slots <= 8)
   for (genvar p = 0; p < 2; p++) begin : g_plane
+    `SLOG_ASSERT(SlogDenseLiveSlot, !reading_i || $onehot0(slots_i[p]))
     `SLOG_ASSERT(SlogDenseLiveState, $onehot0({awaited_q[p], followed_q[p], whole_q[p], lost_q[p]}))
     `SLOG_ASSERT(SlogDenseLiveRows, !(followed_q[p] && writes[p]) || rows[p] >= rows_q[p])
   end
@@ -155,5 +161,5 @@ module slog_dense_live
 `endif
   `SLOG_ASSERT(SlogDenseLiveApart, !row_i || near_q == '0)
   `SLOG_ASSERT(SlogDenseLivePause, begin_i ? reading_i && low_q == '1 : !reading_i || low_q == '0)
-  `SLOG_ASSERT_KEPT(SlogDenseLiveJob, reading_i, {live_i, left_slot_i, right_slot_i, down_i})
+  `SLOG_ASSERT_KEPT(SlogDenseLiveJob, reading_i, {live_i, slots_i, down_i})
 endmodule : slog_dense_live

@@ -40,6 +40,7 @@ module slog_dense_pass
     input  logic          [9:0] image_height_i,
     output logic          [7:0] slot_busy_o,
     output dense_job_t          job_o,
+    output logic     [1:0][7:0] slots_o,       // of job_o's left, right plane, one-hot
     output logic          [9:0] image_width_o,
     output logic          [9:0] image_height_o,
     output logic                plan_o,        // start of slog_dense_plan
@@ -196,6 +197,7 @@ module slog_dense_pass
 
   assign slot_busy_o    = slot_busy_q;
   assign job_o          = job_q;
+  assign slots_o        = slots_q;
   assign image_width_o  = width_q;
   assign image_height_o = height_q;
   assign plan_o         = mark_q;

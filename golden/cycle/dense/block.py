@@ -34,7 +34,7 @@ class DenseBlockModel:
     def __init__(self, build: DenseBuild) -> None:
         self.sequence = DensePassModel(flush_clocks(build.offsets, build.max_window))
         self.plan, self.room, self.feed = DensePlanModel(build), DenseRoomModel(build.out_depth), DenseFeedModel(build)
-        self.live = DenseLiveModel()
+        self.live, self.slots = DenseLiveModel(slots=build.slots), build.slots
         self.engine = DenseEngineModel(build.offsets, build.lanes, build.max_window)
         self.check, self.output = DenseCheckModel(build.offsets), DenseOutModel(build.out_depth)
 
@@ -66,8 +66,7 @@ class DenseBlockModel:
         keep = self.live.keep(job["live"])
         known = all_or_zero({**room, **seen, "busy_o": sent["busy_o"]})
         self.live.step({**rst, "begin_i": now["plan_o"], "reading_i": now["reading_o"], "live_i": job["live"],
-                        "left_slot_i": job["left_slot"], "right_slot_i": job["right_slot"],
-                        "down_i": job["down"] & 0x3FF, "row_i": now["row_o"],
+                        "slots_i": self._slots(now["slots_o"]), "down_i": job["down"] & 0x3FF, "row_i": now["row_o"],
                         **{name: i[name] for name in ("progress_i", "slot_valid_i", "clear_i")}})
         self.sequence.step({**rst, **{name: i[name] for name in ("start_i", "job_i", "cancel_i", "image_width_i",
                                                                  "image_height_i")},
@@ -78,3 +77,8 @@ class DenseBlockModel:
         return {**{name: led[name] for name in ("slot_busy_o", "busy_o", "done_o", "status_o", "row_o", "stall_o")},
                 **{name: sent[name] for name in ("rd_valid_o", "rd_addr_o")},
                 **{name: shown[name] for name in ("map_tvalid_o", "map_tdata_o", "map_tuser_o", "map_tlast_o")}}
+
+    def _slots(self, both: int) -> int:
+        """A bit for each slot of the store, the left plane's and the right one's, from a bit for each of eight."""
+        mask = (1 << self.slots) - 1
+        return both & mask | (both >> 8 & mask) << self.slots

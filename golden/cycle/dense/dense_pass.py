@@ -23,8 +23,9 @@ class DensePassModel:
 
     INPUTS = ("rst_i", "start_i", "job_i", "cancel_i", "image_width_i", "image_height_i", "planned_i", "status_i",
               "pitch_i", "row_words_i", "feed_busy_i", "keep_i", "there_i", "whole_i", "lost_i", "room_i", "empty_i")
-    OUTPUTS = ("slot_busy_o", "job_o", "image_width_o", "image_height_o", "plan_o", "begin_o", "flush_o", "clear_o",
-               "row_o", "words_o", "reserve_o", "reading_o", "tail_o", "busy_o", "done_o", "status_o", "stall_o")
+    OUTPUTS = ("slot_busy_o", "job_o", "slots_o", "image_width_o", "image_height_o", "plan_o", "begin_o",
+               "flush_o", "clear_o", "row_o", "words_o", "reserve_o", "reading_o", "tail_o", "busy_o", "done_o",
+               "status_o", "stall_o")
 
     def __init__(self, flush: int) -> None:
         self.flush = flush
@@ -55,7 +56,8 @@ class DensePassModel:
 
     @property
     def out(self) -> Values:
-        return {**self.pulses, "job_o": self.job, "image_width_o": self.size[0], "image_height_o": self.size[1],
+        return {**self.pulses, "job_o": self.job, "slots_o": self._slots_of_job(),
+                "image_width_o": self.size[0], "image_height_o": self.size[1],
                 "plan_o": int(self.state == MARK), "flush_o": int(self.state == FLUSH), "words_o": self.words,
                 "reading_o": int(self.state in READING),
                 "done_o": int(self.state == OVER),
@@ -99,8 +101,15 @@ class DensePassModel:
 
     def _slots(self, keep: int) -> int:
         """A bit for each slot of the job's planes in `keep`, bit 0 the left one."""
-        job = unpack_job(self.job or 0)
-        return (keep & 1) << job["left_slot"] | (keep >> 1) << job["right_slot"]
+        slots = self._slots_of_job() or 0
+        return (slots if keep & 1 else 0) & 0xFF | (slots >> 8 if keep & 2 else 0)
+
+    def _slots_of_job(self) -> int | None:
+        """A bit for each plane's slot, the right one's from bit 8 on; None before the first job."""
+        if self.job is None:
+            return None
+        job = unpack_job(self.job)
+        return 1 << job["left_slot"] | 1 << 8 + job["right_slot"]
 
     def _status(self, i: Inputs, freed: bool) -> None:
         if self.planned is not None:

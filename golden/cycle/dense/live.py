@@ -18,12 +18,12 @@ class DenseLiveModel:
         out: outputs of this clock but `keep_o`, which depends on `live_i`.
     """
 
-    INPUTS = ("rst_i", "begin_i", "reading_i", "live_i", "left_slot_i", "right_slot_i", "down_i", "row_i", "progress_i",
-              "slot_valid_i", "clear_i")
+    INPUTS = ("rst_i", "begin_i", "reading_i", "live_i", "slots_i", "down_i", "row_i", "progress_i", "slot_valid_i",
+              "clear_i")
     OUTPUTS = "here_o", "keep_o", "there_o", "whole_o", "lost_o"
 
-    def __init__(self, cameras: int = 2) -> None:
-        self.cameras = cameras
+    def __init__(self, cameras: int = 2, slots: int = 8) -> None:
+        self.cameras, self.slots = cameras, slots
         self.came: tuple[int, int, int] = 0, 0, 0
         """Progress, valid slots and clear of the clock before."""
         self.states = [ABSENT, ABSENT]
@@ -47,7 +47,7 @@ class DenseLiveModel:
         lost = int(LOST in self.states and not i["rst_i"])
         self.has = [int(state == WHOLE or (p == 1 and row < 0) or (state == FOLLOWED and rows > row))
                     for p, (state, rows, row) in enumerate(zip(self.states, self.rows, self.next, strict=True))]
-        self._follow(i, i["left_slot_i"], i["right_slot_i"])
+        self._follow(i, *(i["slots_i"] >> self.slots * p & (1 << self.slots) - 1 for p in (0, 1)))
         if i["begin_i"]:
             self.next = [0, -signed(i["down_i"], 10)]
         elif i["row_i"]:
@@ -57,12 +57,12 @@ class DenseLiveModel:
         return out
 
     def _follow(self, i: Inputs, *slots: int) -> None:
-        """Take over what the cameras did in the clock before."""
+        """Take over what the cameras did in the clock before; `slots`: one-hot, of the left and the right plane."""
         progress, valid, clear = self.came
         requests = [PROGRESS.unpack(progress >> PROGRESS.bits * c) for c in range(self.cameras)]
         active = i["reading_i"] and live_of(i)
         for p, slot in enumerate(slots):
-            mine = [one for one in requests if one["held"] and one["slot"] == slot]
+            mine = [one for one in requests if one["held"] and slot >> one["slot"] & 1]
             writes, done = (any(one[name] for one in mine) for name in ("writing", "done"))
             self.rows[p] = 0
             for one in mine:
@@ -70,7 +70,7 @@ class DenseLiveModel:
             if not active:
                 self.states[p], self.here[p] = ABSENT, 0
             elif i["begin_i"]:
-                held = valid >> slot & 1
+                held = valid & slot
                 self.here[p] = int(not clear and bool(mine or held))
                 self.states[p] = (ABSENT if not self.here[p] else WHOLE if done or not mine
                                   else FOLLOWED if writes else AWAITED)

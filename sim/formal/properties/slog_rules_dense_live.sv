@@ -11,8 +11,7 @@ module slog_rules_dense_live
     input logic                   begin_i,
     input logic                   reading_i,
     input logic                   live_i,
-    input logic             [2:0] left_slot_i,
-    input logic             [2:0] right_slot_i,
+    input logic        [1:0][7:0] slots_i,
     input logic signed      [9:0] down_i,
     input logic                   row_i,
     input progress_t [1:0]        progress_i,
@@ -27,7 +26,7 @@ module slog_rules_dense_live
   progress_t [1:0] before_q;            // progress_i and slot_valid_i of the clock before
   logic [7:0] valid_q;
   logic started_q, reading_q, lost_q, there_q;
-  logic [16:0] job_q;
+  logic [26:0] job_q;
   logic [3:0] age_q, since_q;           // clocks since begin_i, since row_i, up to 15
   logic [1:0] low_q;                    // clocks for which reading_i and rst_i were low, up to 3
   logic [9:0] y_q;
@@ -37,8 +36,6 @@ module slog_rules_dense_live
   logic [1:0] had_q, done_q, asked, writes, wrote, ends;
   logic [1:0][9:0] rows;
   logic [Latency:0][1:0] broke_q;       // [n]: n clocks before the last
-  logic [1:0][2:0] slot;
-  assign slot = {right_slot_i, left_slot_i};
   assign r    = 12'(signed'({2'b00, y_q})) - 12'(down_i);
   always_comb begin
     for (int unsigned p = 0; p < 2; p++) begin
@@ -48,7 +45,7 @@ module slog_rules_dense_live
       ends[p]   = 1'b0;
       rows[p]   = '0;
       for (int unsigned c = 0; c < 2; c++) begin
-        if (before_q[c].held && before_q[c].slot == slot[p]) begin
+        if (before_q[c].held && slots_i[p][before_q[c].slot]) begin
           asked[p]  = 1'b1;
           wrote[p]  = before_q[c].writing;
           ends[p]   = before_q[c].done;
@@ -64,7 +61,7 @@ module slog_rules_dense_live
     before_q  <= progress_i;
     valid_q   <= slot_valid_i;
     there_q   <= there_o;
-    job_q     <= {live_i, left_slot_i, right_slot_i, down_i};
+    job_q     <= {live_i, slots_i, down_i};
     lost_q    <= lost_o && reading_i && !rst_i;
     age_q     <= begin_i || rst_i ? '0 : age_q + 4'(age_q != '1);
     since_q   <= begin_i || row_i ? 4'd1 : since_q + 4'(since_q != '1);
@@ -72,7 +69,7 @@ module slog_rules_dense_live
     y_q       <= begin_i ? '0 : y_q + 10'(row_i);
     for (int unsigned p = 0; p < 2; p++) begin
       best_q[p]  <= begin_i || rows[p] > best_q[p] ? rows[p] : best_q[p];
-      had_q[p]   <= begin_i ? !asked[p] && valid_q[slot[p]] : had_q[p];
+      had_q[p]   <= begin_i ? !asked[p] && (slots_i[p] & valid_q) != '0 : had_q[p];
       done_q[p]  <= ends[p] || (done_q[p] && !begin_i);
       broke_q[0][p] <= reading_i && !begin_i && age_q != '0 && wrote[p] && !ends[p] && !writes[p] &&
                        here_o[p] && !had_q[p] && !done_q[p];
@@ -85,7 +82,8 @@ module slog_rules_dense_live
       AssumeRow : assume (!row_i || (reading_i && reading_q && since_q >= 4'd4 && there_q));
     end
     if (!rst_i && started_q) begin
-      AssumeJob : assume (!reading_q || job_q == {live_i, left_slot_i, right_slot_i, down_i});
+      AssumeJob : assume (!reading_q || job_q == {live_i, slots_i, down_i});
+      AssumeSlots : assume ($onehot(slots_i[0]) && $onehot(slots_i[1]));
       AssumeHeight : assume (y_q < 10'd500);
       AssumeOne : assume (!(progress_i[0].held && progress_i[1].held && progress_i[0].slot == progress_i[1].slot));
 
