@@ -21,7 +21,7 @@ from sim.synth import fabric, floorplan, nextpnr, yosys
 from sim.synth.floorplan import constrain
 from sim.synth.flow import FLOORPLANS
 from sim.synth.netlist import flat
-from sim.synth.nextpnr import route, targets_of
+from sim.synth.nextpnr import route, target_of
 from sim.synth.tools import run_tool, seen
 from sim.synth.yosys import FORGET, PRIMITIVES, write_netlist
 from sim.toolchain import BUILD, CELL_MODELS, ROOT, RTL, TOP, headers, sources_of
@@ -115,7 +115,7 @@ def routed(config: str) -> tuple[Path, dict[str, Any]]:
         if not written.exists():
             shutil.copy(before, folder / "netlist.json")
             constrain(folder / "netlist.json", kept)
-            route(folder, SEED, True, targets_of(config), fresh)
+            route(folder, SEED, True, target_of(config), fresh)
             fresh.rename(written)
     module = flat(json.loads(written.read_text()))
     nets, wires = check(module)

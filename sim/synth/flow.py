@@ -25,7 +25,7 @@ from typing import Any
 
 from golden.params import CONFIGS
 from sim.synth.floorplan import constrain, keep
-from sim.synth.nextpnr import critical_path, place, route, targets_of
+from sim.synth.nextpnr import critical_path, place, route, target_of
 from sim.synth.paths import load, ranking
 from sim.synth.yosys import AVAILABLE, write_netlist
 from sim.toolchain import SYNTHESIS, top_of
@@ -50,7 +50,7 @@ def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence
     routed, paths = {}, {}
     print(f"nextpnr: seeds {', '.join(map(str, seeds))}", flush=True)
     with ThreadPoolExecutor(os.cpu_count()) as workers:
-        reports = workers.map(lambda seed: route(folder, seed, top == top_of(config), targets_of(config)), seeds)
+        reports = workers.map(lambda seed: route(folder, seed, top == top_of(config), target_of(config)), seeds)
         for seed, report in zip(seeds, reports, strict=True):
             routed[seed] = min(clock["achieved"] for clock in report["fmax"].values())
             paths[seed] = critical_path(report)
@@ -100,7 +100,7 @@ def main() -> int:
         if args.placed is not None:
             _floorplan(args.top, args.config, folder)
             print(f"nextpnr: placing, seed {args.seeds[0]}", flush=True)
-            placed = place(folder, args.seeds[0], args.top == board, targets_of(args.config)[0])
+            placed = place(folder, args.seeds[0], args.top == board, target_of(args.config))
         over = args.paths if placed is None else args.placed
         print("\n".join(ranking(load(folder / "netlist.json", placed), over)))
         return 0

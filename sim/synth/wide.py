@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesis of the wide dense engine, out of context: how many lanes fit an LFE5U-85F, and at which clock they run.
 
-`python -m sim.synth.wide [--lanes 16 32 64] [--seeds 1] [--targets 165 150]` writes an entry for each number of lanes
+`python -m sim.synth.wide [--lanes 16 32 64] [--seeds 1]` writes an entry for each number of lanes
 into `out/synth/dense_wide/report.json`, beside those of earlier runs, and prints them as a table. Ports are registered
 inside and have no pins. A group of four lanes is mapped once and used for all.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,8 @@ GROUP = "slog_dense_wide_group"
 WIDTH = 640
 """Longest row, columns. Up to 2,048 need no more memory: a block RAM has 512 words."""
 LANES = (16, 32, 64)
-TARGETS_MHZ = (180.0, 165.0, 150.0, 135.0, 120.0)
-"""Clocks that are routed for, the highest first."""
+TARGET_MHZ = 182.0
+"""Clock that is placed and routed for."""
 MOST_GROUPS = len(SITES["DP16KD"]) // COLUMNS
 """Groups whose memories the device's block RAMs hold: one for each lane."""
 MEMORY = re.compile(r"g_group\[(\d+)\]\.u_group\.u_memory\..*g_block\[(\d+)\]")
@@ -97,13 +97,12 @@ def script(lanes: int, folder: Path) -> str:
         f"write_json {seen(folder / 'netlist.json')}", ""])
 
 
-def synthesise(lanes: int, seeds: Iterable[int], targets: Sequence[float]) -> dict[str, Any]:
+def synthesise(lanes: int, seeds: Iterable[int]) -> dict[str, Any]:
     """Synthesise, place and route an engine.
 
     Args:
         lanes: offsets, a multiple of COLUMNS.
         seeds: of the placements; none: only the resources are counted.
-        targets: clocks, MHz, the highest first.
 
     Returns:
         lut4, ff, ebr, dsp; routed_mhz and critical path of each seed.
@@ -123,7 +122,7 @@ def synthesise(lanes: int, seeds: Iterable[int], targets: Sequence[float]) -> di
     netlist.write_text(json.dumps(design))
     routed, paths = {}, {}
     for seed in seeds:
-        found = route(folder, seed, False, targets)
+        found = route(folder, seed, False, TARGET_MHZ)
         routed[str(seed)] = round(min(clock["achieved"] for clock in found["fmax"].values()), 1)
         paths[str(seed)] = critical_path(found)
         print(f"  seed {seed}: {routed[str(seed)]} MHz", flush=True)
@@ -150,7 +149,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Synthesis of the wide dense engine, out of context")
     parser.add_argument("--lanes", type=int, nargs="+", default=LANES)
     parser.add_argument("--seeds", type=int, nargs="*", default=[1])
-    parser.add_argument("--targets", type=float, nargs="+", default=TARGETS_MHZ, metavar="MHZ")
     args = parser.parse_args()
     for lanes in args.lanes:
         if lanes % COLUMNS or not 1 <= lanes // COLUMNS <= MOST_GROUPS:
@@ -159,7 +157,7 @@ def main() -> int:
     path = OUT / "report.json"
     report: dict[str, Any] = json.loads(path.read_text()) if path.exists() else {}
     for lanes in args.lanes:
-        report[str(lanes)] = synthesise(lanes, args.seeds, args.targets)
+        report[str(lanes)] = synthesise(lanes, args.seeds)
         path.write_text(json.dumps(report, indent=2) + "\n")
     print(table(report))
     return int(any(report[str(lanes)][name] > limit for lanes in args.lanes for name, limit in AVAILABLE.items()))
