@@ -22,7 +22,7 @@ the clock."""
 ROUTERS = "router1", "router2"
 """The routers, the better one first: its wires take little longer than the placer expects, but it does not end where
 the last nets cannot be untangled. The second one ends."""
-PATIENCE = 60
+PATIENCE = 20
 """Reports of the first router, one every thousand steps, without fewer open wires, until the second one routes."""
 
 
