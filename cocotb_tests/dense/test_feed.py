@@ -41,6 +41,9 @@ class _Passes:
             if number == 1:  # the right plane ends early: its first row outside is one that leaves the windows, too
                 job |= {"start": 0, "down": -height}
                 height += 1
+            if number == 2:  # rows of the left plane leave the windows before the right plane's first one does
+                job |= {"start": 0, "down": self.rng.randint(1, 3)}
+                height = job["window"] + 4
             fields = plan_of(job, self.build, width)
             held = {"plan_i": PLAN.pack(fields), "down_i": job["down"] & 0x3FF, "width_i": width, "height_i": height}
             rows = 3 if number == 0 else held["height_i"]

@@ -32,21 +32,23 @@ module slog_fir_tree #(
 
   for (genvar l = 0; l < Levels; l++) begin : g_level
     for (genvar n = 0; n < terms(l + 1); n++) begin : g_node
+      localparam int unsigned Left  = 2 * n;
+      localparam int unsigned Right = 2 * n + 1;
       logic [SumW-1:0] a, sum_q, sum;
       if (l == 0) begin : g_leaf
-        assign a = term_i[2*n][SumW-1:0];
+        assign a = term_i[Left][SumW-1:0];
       end else begin : g_inner
-        assign a = g_level[l-1].g_node[2*n].sum;
+        assign a = g_level[l-1].g_node[Left].sum;
       end
-      if (2 * n + 1 < terms(l)) begin : g_pair
+      if (Right < terms(l)) begin : g_pair
         localparam int unsigned Node = Terms - terms(l) + n;  // as many pairs come before the level
         logic [SumW-1:0] b;
         logic [SumW:0] total;
         logic carry_q;
         if (l == 0) begin : g_leaf
-          assign b = term_i[2*n+1][SumW-1:0];
+          assign b = term_i[Right][SumW-1:0];
         end else begin : g_inner
-          assign b = g_level[l-1].g_node[2*n+1].sum;
+          assign b = g_level[l-1].g_node[Right].sum;
         end
         if (CarryIn) begin : g_carry
           // The carry that comes in has a bit of its own, so that there is one chain of carries.
@@ -67,15 +69,17 @@ module slog_fir_tree #(
         always_ff @(posedge clk_i) sum_q <= a;
       end
       if (l + 3 == Levels) begin : g_far
-        logic [SumW-1:0] sum_q2;
-        always_ff @(posedge clk_i) sum_q2 <= sum_q;
-        assign sum = sum_q2;
+        logic [SumW-1:0] far_q;
+        always_ff @(posedge clk_i) far_q <= sum_q;
+        assign sum = far_q;
       end else begin : g_near
         assign sum = sum_q;
       end
+      if (l + 1 == Levels) begin : g_last
+        assign sum_o = sum;
+      end
     end
   end
-  assign sum_o = g_level[Levels-1].g_node[0].sum;
 
   `SLOG_ASSERT_INIT(SlogFirTreeLevels, Levels > 2 && SumW <= 32)
 endmodule : slog_fir_tree
