@@ -13,7 +13,7 @@ from sim.synth.tools import run_tool
 
 DEVICE_ARGS = ["--85k", "--package", "CABGA756", "--speed", "6"]
 TARGET_MHZ = 160.0
-"""Target of place and route: above what a board reaches, for nextpnr weighs paths by their distance from it."""
+"""Clock that a board is placed and routed for. nextpnr goes beyond it where it can."""
 DENSE_TARGET_MHZ = 182.0
 """The same of boards with the dense engine instead of the array."""
 PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
