@@ -76,7 +76,7 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
     cameras = Cameras(rng, seen)
     for _ in range(2):  # with the reset, the pause before a pass
         yield {}
-    for number in lasting(PASSES, 20 * PASSES, lambda: seen.keys() >= POINTS):
+    for number in lasting(PASSES, 20 * PASSES, lambda: all(seen[name] for name in POINTS)):
         slots = [rng.randrange(5), rng.randrange(5)]
         live, down = int(rng.random() < 0.85), rng.choice((0, 0, rng.randint(-4, 4), rng.randint(-14, 14), -512, 511))
         if rng.random() < 0.2:
