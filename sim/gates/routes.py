@@ -20,8 +20,9 @@ GLOBAL = re.compile(r"/G_\w+$")
 """A wire of a global network: nextpnr lists no switches between its source and a tile."""
 SHARED = "CE", "CLK", "LSR"
 """Pins that both registers of a slice share."""
-OPEN = {"TRELLIS_COMB": ("A", "B", "C", "D", "F"), "TRELLIS_FF": ("DI", "M", "Q")}
-"""Pins that no net may reach where they are open."""
+OPEN = {"TRELLIS_COMB": ("A", "B", "C", "D", "F"), "TRELLIS_FF": ("DI", "M", "Q"), "TRELLIS_IO": ()}
+"""Pins that no net may reach where they are open; of other kinds of cells none of theirs. The others of a slice are its
+neighbours' wires, or shared."""
 
 
 def _comb(pin: str, letter: str, half: int, n: int) -> str:
@@ -153,7 +154,11 @@ def _check_pins(name: str, cell: Cell, names: Mapping[int, str], owner: Mapping[
                 switches: Mapping[str, str | None]) -> None:
     """Check that each pin's wire is of the pin's net, and of none where it is open."""
     tables = cell["type"] in ("TRELLIS_COMB", "TRELLIS_RAMW")
-    for pin in {*cell["connections"], *OPEN.get(cell["type"], ())}:
+    unread = OPEN.get(cell["type"])
+    pins = {*cell["connections"]}
+    if unread is not None:
+        pins = {*unread, *(pin for pin in pins if cell["connections"][pin])}
+    for pin in pins:
         place, bits = wire(cell, pin), cell["connections"].get(pin)
         if place is None or (cell["port_directions"].get(pin) == "output" and place not in owner):
             continue  # if something reads an output without wires, that one's pin has no wire either
