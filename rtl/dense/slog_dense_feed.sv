@@ -106,7 +106,7 @@ module slog_dense_feed
       moves_q <= begin_i || (row_i && !fresh_q);
     end
   end
-  // The right row a window's height above; it is over the image, or under it.
+  // The right row that leaves the window, a window's height above; over_q, under_q: it lies over, under the image.
   /* verilator lint_off UNUSEDSIGNAL */
   line_t r_leaving;
   /* verilator lint_on UNUSEDSIGNAL */

@@ -21,8 +21,8 @@ GLOBAL = re.compile(r"/G_\w+$")
 SHARED = "CE", "CLK", "LSR"
 """Pins that both registers of a slice share."""
 OPEN = {"TRELLIS_COMB": ("A", "B", "C", "D", "F"), "TRELLIS_FF": ("DI", "M", "Q"), "TRELLIS_IO": ()}
-"""Pins that no net may reach where they are open; of other kinds of cells none of theirs. The others of a slice are its
-neighbours' wires, or shared."""
+"""Pins that no net may reach where they are open, by kind of cell; of kinds that are not here, all pins. The others of
+a slice and a pad are wires of their neighbours."""
 
 
 def _comb(pin: str, letter: str, half: int, n: int) -> str:
@@ -152,12 +152,10 @@ def check(module: Mapping[str, Any]) -> tuple[int, int]:
 
 def _check_pins(name: str, cell: Cell, names: Mapping[int, str], owner: Mapping[str, int],
                 switches: Mapping[str, str | None]) -> None:
-    """Check that each pin's wire is of the pin's net, and of none where it is open."""
+    """Check that each pin's wire is of the pin's net, and of none where it is open, unless a neighbour drives it."""
     tables = cell["type"] in ("TRELLIS_COMB", "TRELLIS_RAMW")
-    unread = OPEN.get(cell["type"])
-    pins = {*cell["connections"]}
-    if unread is not None:
-        pins = {*unread, *(pin for pin in pins if cell["connections"][pin])}
+    own = OPEN.get(cell["type"], cell["connections"])
+    pins = {*own, *(pin for pin, net in cell["connections"].items() if net)}
     for pin in pins:
         place, bits = wire(cell, pin), cell["connections"].get(pin)
         if place is None or (cell["port_directions"].get(pin) == "output" and place not in owner):

@@ -83,7 +83,7 @@ module slog_rules_dense_live
     end
     if (!rst_i && started_q) begin
       AssumeJob : assume (!reading_q || job_q == {live_i, slots_i, down_i});
-      AssumeSlots : assume ($onehot(slots_i[0]) && $onehot(slots_i[1]));
+      AssumeSlots : assume ($onehot0(slots_i[0]) && $onehot0(slots_i[1]));
       AssumeHeight : assume (y_q < 10'd500);
       AssumeOne : assume (!(progress_i[0].held && progress_i[1].held && progress_i[0].slot == progress_i[1].slot));
 

@@ -61,6 +61,18 @@ def test_wrong_routes(module: dict[str, Any], message: str) -> None:
         check(module)
 
 
+def test_open_pins_that_are_a_neighbours_wires() -> None:
+    """A table's open F1 is the output of the table beside it, whose net is not its business; its own open B is."""
+    module = deepcopy(GOOD)
+    module["cells"]["lut"]["connections"] |= {"F1": [], "B": []}
+    module["cells"]["beside"] = _cell("TRELLIS_COMB", "X5/Y3/SLICEC.K0", F=6)
+    module["netnames"]["f"] = _net(6, "X5/Y3/F4_SLICE;")
+    assert check(module) == (3, 10)
+    module["netnames"]["f"] = _net(6, "X5/Y3/F4_SLICE;", "X5/Y3/B3_SLICE;X5/Y3/0_0_F4_SLICE->0_0_B3_SLICE")
+    with pytest.raises(ValueError, match="lut.B is the wire X5/Y3/B3_SLICE, which belongs to f"):
+        check(module)
+
+
 @pytest.mark.parametrize(("mode", "pin", "through", "good"), [
     ("LOGIC", "A", "D", True), ("CCU2", "A", "B", True), ("CCU2", "A", "C", False), ("CCU2", "D", "C", True),
     ("DPRAM", "A", "B", False), ("DPRAM", "A", "A", True)])
