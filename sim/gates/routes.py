@@ -154,8 +154,8 @@ def _check_pins(name: str, cell: Cell, names: Mapping[int, str], owner: Mapping[
                 switches: Mapping[str, str | None]) -> None:
     """Check that each pin's wire is of the pin's net, and of none where it is open, unless a neighbour drives it."""
     tables = cell["type"] in ("TRELLIS_COMB", "TRELLIS_RAMW")
-    own = OPEN.get(cell["type"], cell["connections"])
-    pins = {*own, *(pin for pin, net in cell["connections"].items() if net)}
+    pins = {*OPEN.get(cell["type"], tuple(cell["connections"]))}
+    pins |= {pin for pin, net in cell["connections"].items() if net}
     for pin in pins:
         place, bits = wire(cell, pin), cell["connections"].get(pin)
         if place is None or (cell["port_directions"].get(pin) == "output" and place not in owner):

@@ -69,7 +69,7 @@ def test_open_pins_that_are_a_neighbours_wires() -> None:
     module["netnames"]["f"] = _net(6, "X5/Y3/F4_SLICE;")
     assert check(module) == (3, 10)
     module["netnames"]["f"] = _net(6, "X5/Y3/F4_SLICE;", "X5/Y3/B3_SLICE;X5/Y3/0_0_F4_SLICE->0_0_B3_SLICE")
-    with pytest.raises(ValueError, match="lut.B is the wire X5/Y3/B3_SLICE, which belongs to f"):
+    with pytest.raises(ValueError, match=r"lut\.B is the wire X5/Y3/B3_SLICE, which belongs to f"):
         check(module)
 
 
