@@ -21,7 +21,8 @@ def _windows(rng: random.Random, shape: str, p: dict[str, int]) -> Stimulus:
     offer = ready_pattern(shape, rng)
     for run in range(12):
         coef = rng.getrandbits(18 * (radius + 1) * p["Kernels"])
-        yield {"coef_i": coef, "window_i": rng.getrandbits(bits)}
+        if rng.random() < 0.5:
+            yield {"coef_i": coef, "window_i": rng.getrandbits(bits)}
         for _ in range(60):
             yield {"valid_i": next(offer), "coef_i": coef, "window_i": rng.getrandbits(bits)}
         if run % 4 == 3:
@@ -49,6 +50,7 @@ async def every_clock(dut, shape: str) -> None:
     {"Radius": 8, "DataW": 8, "Kernels": 2, "SumW": 24, "Bias": 64},
     {"Radius": 8, "DataW": 32, "Kernels": 1, "SumW": 36, "Bias": -1},
     {"Radius": 3, "DataW": 18, "Kernels": 1, "SumW": 36, "Bias": 5},
-], ids=["column", "row", "small"])
+    {"Radius": 16, "DataW": 32, "Kernels": 1, "SumW": 35, "Bias": -1},
+], ids=["column", "row", "small", "large, halves of different widths"])
 def test_fir(shape: dict[str, int]) -> None:
     simulate("slog_fir", __name__, shape)

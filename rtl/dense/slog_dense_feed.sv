@@ -67,7 +67,7 @@ module slog_dense_feed
   logic [9:0] not_width_q, not_height_q, width, height;
   logic begin_q;
   addr_t [1:0] above_q;                // words of the row a window's height above row 0
-  line_t limit_q;                      // image's height and the window's
+  line_t limit_q;                      // sum of the image's and the window's height
   logic [1:0][10:0] delay_q;           // a plane's delay, less one
   assign width  = ~not_width_q;
   assign height = ~not_height_q;
@@ -106,7 +106,7 @@ module slog_dense_feed
       moves_q <= begin_i || (row_i && !fresh_q);
     end
   end
-  // The right row that leaves the window, a window's height above; over_q, under_q: it lies over, under the image.
+  // The right row that leaves the window, a window's height above; over_q, under_q: it lies above, below the image.
   /* verilator lint_off UNUSEDSIGNAL */
   line_t r_leaving;
   /* verilator lint_on UNUSEDSIGNAL */

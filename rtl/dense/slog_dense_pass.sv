@@ -17,8 +17,8 @@
 //   ..     row_o, plan.pitch clocks or more apart
 // Throughput : rows plan.pitch clocks apart as long as there is room for their words.
 // Rules      : pitch_i is 8 or more, and constant from begin_o on. feed_busy_i is high pitch_i - 1 clocks after row_o at the
-//              latest, until the row's last word has been read. start_i counts while busy_o is low. job_o and the image's
-//              size stay until the next start.
+//              latest, until the row's last word has been read. start_i counts while busy_o is low. job_o, slots_o and
+//              the image's size are constant from plan_o to done_o; while busy_o is low they follow the inputs.
 //              there_i is of the next row from 4 clocks after row_o on, whole_i and lost_i are of slog_dense_live.
 // Formats    : done_o comes in the last clock of busy_o; status_o is of the last start, from done_o on. stall_o: a row could
 //              start but for the room: a clock in which it waits for its planes' rows is none. slot_busy_o: the planes'
@@ -221,6 +221,7 @@ module slog_dense_pass
   `SLOG_PAST(past_pitch, pitch_i)
   `SLOG_ASSERT(SlogDensePassPitch, !(begin_q || flush_q || rows_q) || 32'(pitch_i) >= 8)
   `SLOG_ASSERT(SlogDensePassConstant, !rows_q || pitch_i == past_pitch)
+  `SLOG_ASSERT_KEPT(SlogDensePassJob, held_q, {job_q, slots_q, width_q, height_q})
   `SLOG_ASSERT(SlogDensePassHas, !row_q || has_q == (gap_q == '0))
   `SLOG_ASSERT(SlogDensePassCopies, held_q == !(idle_q || take_q) && whole_q == !tail_q &&
                reading_q == (mark_q || plan_q || flush_q || rows_q || drain_q))

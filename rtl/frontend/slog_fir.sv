@@ -11,7 +11,7 @@
 // Throughput : one window per clock.
 // Formats    : window in fields of DataW bits: two's complement in the lower 18 if DataW >= 18, else unsigned; fold modulo
 //              2**18; coefficients 18-bit signed, constant from the clock of a valid window until its multiplication is
-//              done; sums modulo 2**SumW, SumW <= 36.
+//              done; sums modulo 2**SumW, SumW <= 36. Radius is 3 or more.
 // Reset      : rst_i is held for 1 clock or more.
 `include "slog_assert.svh"
 module slog_fir #(

@@ -9,7 +9,8 @@
 // Latency    : 6 + clog2(Radius + 2) clocks from fold_i to sum_o, and one more with halves.
 // Throughput : one fold per clock.
 // Rules      : en_i is low only in clocks in which none of stages 1..3 holds a valid value. coef_i is constant from the clock
-//              before a valid fold_i until its product is computed. slog_fir ensures both; it has the valid bits.
+//              of a valid fold_i until its product is computed. slog_fir ensures both; it has the valid bits. Radius is 3
+//              or more.
 // Formats    : fold in machine words, which simulate fast: FoldW bits are used, signed if FoldW is 18, else unsigned;
 //              coefficients 18-bit signed; sum modulo 2**SumW, SumW <= 36.
 `include "slog_assert.svh"

@@ -17,7 +17,7 @@ from typing import Any
 from sim.building import digest, locked
 from sim.gates.routed import closed_module, restored
 from sim.gates.routes import check
-from sim.synth import fabric, floorplan, nextpnr, yosys
+from sim.synth import fabric, floorplan, nextpnr, tools, yosys
 from sim.synth.floorplan import constrain
 from sim.synth.flow import FLOORPLANS
 from sim.synth.netlist import flat
@@ -35,7 +35,7 @@ ROUTED_MODELS = CELL_MODELS.with_name("routed.sv")
 """Models of the cells that nextpnr packs those into."""
 SEED = 1
 """Of nextpnr: the first of those that `sim.synth` takes."""
-PLACERS = Path(nextpnr.__file__), Path(floorplan.__file__)
+PLACERS = Path(nextpnr.__file__), Path(tools.__file__), Path(floorplan.__file__)
 """Files whose change makes place and route start anew."""
 
 

@@ -168,8 +168,7 @@ def closed(cell: Cell) -> dict[str, Any]:
 def restored(module: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
     """A module with ports and names of nets as in the netlist that nextpnr took.
 
-    nextpnr keeps one name of a net that has several, and forgets the ports when it routes what it has placed: the net
-    outside of a pin has the port's name.
+    nextpnr keeps one name of a net that has several; the net outside of a pin has the port's name.
 
     Args:
         module: a `closed_module`.

@@ -16,13 +16,20 @@ SWITCH = re.compile(r"X(\d+)/Y(\d+)/(-?\d+)_(-?\d+)_(\w+)->(-?\d+)_(-?\d+)_(\w+)
 """A switch: its tile, then tile relative to it and name of the wire before and of the wire after."""
 SLICE = re.compile(r"(X\d+/Y\d+)/SLICE([A-D])\.(?:K|FF|RAMW)([01]?)$")
 BLOCK = re.compile(r"(X\d+/Y\d+)/(EBR|MULT18_|PIO)(\w)$")
+BUFFER = re.compile(r"/(\w?DCC\w+)$")
+"""Place of a global network's buffer, whose wires are those of one corner."""
 GLOBAL = re.compile(r"/G_\w+$")
-"""A wire of a global network: nextpnr lists no switches between its source and a tile."""
+"""A wire of a global network: nextpnr lists no switches between its trunks and a tile."""
+TRUNK = re.compile(r"/[GL]_(?:VPTX|HPBX)(\d+)$")
+"""A trunk or branch of a global network, and the network's number."""
 SHARED = "CE", "CLK", "LSR"
 """Pins that both registers of a slice share."""
-OPEN = {"TRELLIS_COMB": ("A", "B", "C", "D", "F"), "TRELLIS_FF": ("DI", "M", "Q"), "TRELLIS_IO": ()}
-"""Pins that no net may reach where they are open, by kind of cell; of kinds that are not here, all pins. The others of
-a slice and a pad are wires of their neighbours."""
+NEIGHBOURS = {"TRELLIS_COMB": ("F1", "M")}
+"""Pins, by kind of cell, that are wires of a neighbour as well: where they are open, a net may have them."""
+LISTED = {"TRELLIS_COMB": ("A", "B", "C", "D", "F"), "TRELLIS_FF": ("CE", "DI", "LSR", "M", "Q")}
+"""Pins that are looked at, by kind of cell, even where the netlist does not list them."""
+PAD = {"I": "PADDO", "O": "JPADDI", "T": "PADDT", "IOLDO": "IOLDO", "IOLTO": "IOLTO"}
+"""Wires of a pad's pins."""
 
 
 def _comb(pin: str, letter: str, half: int, n: int) -> str:
@@ -41,14 +48,16 @@ def _comb(pin: str, letter: str, half: int, n: int) -> str:
 
 
 def wire(cell: Cell, pin: str) -> str | None:
-    """The wire that a pin is; None for those outside of the fabric: pads, and what drives the global networks.
+    """The wire that a pin is; None for those outside of the fabric: pads, and the outputs that drive global networks.
 
     Raises:
         ValueError: if the cell's place is unknown.
     """
     kind, place = cell["type"], cell["attributes"].get("NEXTPNR_BEL", "")
-    if kind == "DCCA" or (kind == "TRELLIS_IO" and pin == "B"):
+    if (kind, pin) in (("DCCA", "CLKO"), ("TRELLIS_IO", "B")):
         return None
+    if kind == "DCCA" and (found := BUFFER.search(place)):
+        return f"X0/Y0/G_{'JCE' if pin == 'CE' else pin}_{found[1]}"
     if found := SLICE.search(place):
         tile, letter, half = found[1], found[2], int(found[3] or 0)
         n = 2 * "ABCD".index(letter) + half
@@ -62,7 +71,7 @@ def wire(cell: Cell, pin: str) -> str | None:
     if found := BLOCK.search(place):
         tile, block, letter = found[1], found[2], found[3]
         if block == "PIO":
-            return f"{tile}/{'PADDO' if pin == 'I' else 'JPADDI'}{letter}_PIO"
+            return f"{tile}/{PAD[pin]}{letter}_PIO"
         return f"{tile}/J{pin}_{block.rstrip('_')}"
     raise ValueError(f"{kind} has no place that is known: {place!r}")
 
@@ -110,6 +119,18 @@ def _connected(name: str, wires: Mapping[str, str | None], source: str | None) -
         known |= way
 
 
+def _network(name: str, wires: Mapping[str, str | None]) -> str:
+    """Number of the one global network whose trunks and branches a net has.
+
+    Raises:
+        ValueError: if there is none or another one, too.
+    """
+    numbers = {found[1] for place in wires if (found := TRUNK.search(place))}
+    if len(numbers) != 1:
+        raise ValueError(f"net {name} is on the global networks {', '.join(sorted(numbers)) or 'none'}, not on one")
+    return numbers.pop()
+
+
 def _exchangeable(cell: Cell) -> tuple[str, ...]:
     """Groups of a look-up table's pins that may change places, as nextpnr then changes the table: those of a memory
     cannot; the first two of a carry cell lead to a table that the others do not."""
@@ -132,6 +153,7 @@ def check(module: Mapping[str, Any]) -> tuple[int, int]:
     drivers = {cell["connections"][pin][0]: wire(cell, pin) for cell in module["cells"].values()
                for pin, way in cell["port_directions"].items() if way == "output" and cell["connections"][pin]}
     owner: dict[str, int] = {}
+    networks: dict[str, str] = {}
     switches: dict[str, str | None] = {}
     nets = 0
     for name, net in module["netnames"].items():
@@ -140,6 +162,10 @@ def check(module: Mapping[str, Any]) -> tuple[int, int]:
             continue
         nets += 1
         _connected(name, wires, drivers[bit])
+        if drivers[bit] is None:
+            number = _network(name, wires)
+            if networks.setdefault(number, name) != name:
+                raise ValueError(f"global network {number} belongs to {networks[number]} and {name}")
         for place in wires:
             if owner.setdefault(place, bit) != bit:
                 raise ValueError(f"{place} belongs to the nets {names[owner[place]]} and {name}")
@@ -152,12 +178,13 @@ def check(module: Mapping[str, Any]) -> tuple[int, int]:
 
 def _check_pins(name: str, cell: Cell, names: Mapping[int, str], owner: Mapping[str, int],
                 switches: Mapping[str, str | None]) -> None:
-    """Check that each pin's wire is of the pin's net, and of none where it is open, unless a neighbour drives it."""
+    """Check that each pin's wire is of the pin's net, and of none where it is open and no neighbour's wire as well."""
     tables = cell["type"] in ("TRELLIS_COMB", "TRELLIS_RAMW")
-    pins = {*OPEN.get(cell["type"], tuple(cell["connections"]))}
-    pins |= {pin for pin, net in cell["connections"].items() if net}
-    for pin in pins:
-        place, bits = wire(cell, pin), cell["connections"].get(pin)
+    pins = {pin: net for pin, net in cell["connections"].items()
+            if net or pin not in NEIGHBOURS.get(cell["type"], ())}
+    pins |= {pin: [] for pin in LISTED.get(cell["type"], ()) if pin not in pins}
+    for pin, bits in pins.items():
+        place = wire(cell, pin)
         if place is None or (cell["port_directions"].get(pin) == "output" and place not in owner):
             continue  # if something reads an output without wires, that one's pin has no wire either
         if owner.get(place) != (bits[0] if bits else None):

@@ -5,6 +5,7 @@
 `out/synth/<config>/report.json`):
     fmax_mhz    median over the seeds of the routed clock, but no more than the block RAM allows
     routed_mhz  routed clock of each seed
+    router      nextpnr's router that routed each seed
     lut4, ff, ebr, dsp  of the whole board and of each block; `share` of the device's
 Block RAMs and multipliers of the board get their sites from `sim.synth.floorplan`.
 `--top MODULE` (with `-G NAME=VALUE`) takes one module alone, its pins unplaced. `--paths NS` does not place and route:
@@ -47,20 +48,20 @@ def synthesise(top: str, config: str, parameters: Sequence[str], seeds: Sequence
     blocks = write_netlist(top, config, parameters, folder)
     whole = blocks.pop("whole")
     _floorplan(top, config, folder)
-    routed, paths = {}, {}
+    routed, routers, paths = {}, {}, {}
     print(f"nextpnr: seeds {', '.join(map(str, seeds))}", flush=True)
     with ThreadPoolExecutor(os.cpu_count()) as workers:
         reports = workers.map(lambda seed: route(folder, seed, top == top_of(config), target_of(config)), seeds)
         for seed, report in zip(seeds, reports, strict=True):
             routed[seed] = min(clock["achieved"] for clock in report["fmax"].values())
-            paths[seed] = critical_path(report)
+            routers[str(seed)], paths[seed] = report["router"], critical_path(report)
             print(f"  seed {seed}: {routed[seed]:.1f} MHz", flush=True)
     median = statistics.median(routed.values())
     result = {
         "top": top, "config": config, "device": DEVICE,
         "fmax_mhz": round(min(median, EBR_LIMIT_MHZ if whole["ebr"] else median), 1),
         "median_routed_mhz": round(median, 1), "ebr_limit_mhz": EBR_LIMIT_MHZ,
-        "routed_mhz": {str(seed): round(mhz, 1) for seed, mhz in routed.items()},
+        "routed_mhz": {str(seed): round(mhz, 1) for seed, mhz in routed.items()}, "router": routers,
         **whole,
         "share": {name: round(whole[name] / limit, 3) for name, limit in AVAILABLE.items()},
         "blocks": blocks, "critical_paths": {str(seed): path for seed, path in paths.items()},

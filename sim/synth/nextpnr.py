@@ -63,14 +63,13 @@ def route(folder: Path, seed: int, pins: bool, mhz: float, written: Path | None 
         written: file for what nextpnr made.
 
     Returns:
-        nextpnr's report.
+        nextpnr's report, and the `router` that routed.
     """
     report = folder / f"seed{seed}.json"
     args = ("--json", folder / "netlist.json", "--seed", str(seed), "--report", report,
             *(("--write", written) if written else ()))
     for router, patience in zip(ROUTERS, (PATIENCE, None), strict=True):
-        if _nextpnr(folder / f"seed{seed}.log", pins, mhz, *args, "--router", router, patience=patience):
+        if _nextpnr(folder / f"seed{seed}.{router}.log", pins, mhz, *args, "--router", router, patience=patience):
             break
         print(f"  seed {seed}: {router} did not end, routed by {ROUTERS[1]}", flush=True)
-    result: dict[str, Any] = json.loads(report.read_text())
-    return result
+    return {**json.loads(report.read_text()), "router": router}

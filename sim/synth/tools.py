@@ -40,7 +40,7 @@ def run_tool(name: str, log: Path, *args: str | Path, patience: int | None = Non
                                                 stderr=subprocess.STDOUT) as process:
         while patience is not None and process.poll() is None:
             time.sleep(1)
-            if stuck(log.read_text(), patience):
+            if stuck(log.read_text(), patience) and process.poll() is None:
                 process.kill()
                 return False
     if process.returncode:

@@ -105,7 +105,7 @@ def synthesise(lanes: int, seeds: Iterable[int]) -> dict[str, Any]:
         seeds: of the placements; none: only the resources are counted.
 
     Returns:
-        lut4, ff, ebr, dsp; routed_mhz and critical path of each seed.
+        lut4, ff, ebr, dsp; routed_mhz, router and critical path of each seed.
     """
     folder = OUT / str(lanes)
     folder.mkdir(parents=True, exist_ok=True)
@@ -120,13 +120,13 @@ def synthesise(lanes: int, seeds: Iterable[int]) -> dict[str, Any]:
     design = json.loads(netlist.read_text())
     place_memories(flat(design)["cells"])
     netlist.write_text(json.dumps(design))
-    routed, paths = {}, {}
+    routed, routers, paths = {}, {}, {}
     for seed in seeds:
         found = route(folder, seed, False, TARGET_MHZ)
         routed[str(seed)] = round(min(clock["achieved"] for clock in found["fmax"].values()), 1)
-        paths[str(seed)] = critical_path(found)
+        routers[str(seed)], paths[str(seed)] = found["router"], critical_path(found)
         print(f"  seed {seed}: {routed[str(seed)]} MHz", flush=True)
-    return {**whole, "routed_mhz": routed, "critical_paths": paths}
+    return {**whole, "routed_mhz": routed, "router": routers, "critical_paths": paths}
 
 
 def rate(lanes: int, mhz: float) -> float:

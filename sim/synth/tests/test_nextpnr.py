@@ -37,7 +37,7 @@ def _after(words: Words, flag: str) -> Any:
 def test_one_run_places_and_routes(tmp_path: Path, runs: list[Words]) -> None:
     (tmp_path / "netlist.json").write_text("easy")
     written = tmp_path / "routed.json"
-    assert nextpnr.route(tmp_path, 7, True, 123.0, written) == {"fmax": 1}
+    assert nextpnr.route(tmp_path, 7, True, 123.0, written) == {"fmax": 1, "router": nextpnr.ROUTERS[0]}
     (words,) = runs
     assert [_after(words, flag) for flag in ("--seed", "--freq", "--router", "--write")] == [
         "7", "123.0", nextpnr.ROUTERS[0], written]
@@ -48,7 +48,7 @@ def test_the_second_router_takes_what_the_first_does_not_end(tmp_path: Path, run
                                                              capsys: pytest.CaptureFixture[str]) -> None:
     """With the same seed and target, so that the placement is the same; and it is said."""
     (tmp_path / "netlist.json").write_text("tangled")
-    assert nextpnr.route(tmp_path, 3, False, 150.0) == {"fmax": 1}
+    assert nextpnr.route(tmp_path, 3, False, 150.0) == {"fmax": 1, "router": nextpnr.ROUTERS[1]}
     assert [_after(words, "--router") for words in runs] == list(nextpnr.ROUTERS)
     first, second = ([word for word in words if word not in nextpnr.ROUTERS] for words in runs)
     assert first == second and "--out-of-context" in first
