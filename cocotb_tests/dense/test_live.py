@@ -9,8 +9,10 @@ from collections import Counter
 from collections.abc import Generator
 
 import cocotb
+import pytest
 
 from cocotb_tests.env.check import check_cycles
+from cocotb_tests.env.params import params
 from golden.cycle.dense.live import ABSENT, AWAITED, FOLLOWED, LOST, WHOLE, DenseLiveModel
 from golden.cycle.model import Inputs, Outputs, Stimulus
 from golden.cycle.store.capture_channel import PROGRESS
@@ -25,14 +27,14 @@ LATENCY = 4
 BEGINS = {ABSENT: "absent", AWAITED: "awaited", FOLLOWED: "being written", WHOLE: "whole"}
 POINTS = {*BEGINS.values(), "same slot", "size changed", "row above the plane", "row below the plane",
           *(f"frame {fate}" for fate in FATES), "lost before it began", "whole after it was awaited", "not live",
-          "whole in this clock", "size changed at the begin"}
+          "whole in this clock", "size changed at the begin", "slot absent"}
 
 
 class Cameras:
     """Two cameras that get one request after another, for different slots, and the slots that hold a frame."""
 
-    def __init__(self, rng: random.Random, seen: Counter[str]) -> None:
-        self.rng, self.seen, self.valid = rng, seen, rng.getrandbits(4)
+    def __init__(self, rng: random.Random, slots: int, seen: Counter[str]) -> None:
+        self.rng, self.seen, self.valid = rng, seen, rng.getrandbits(slots)
         self.requests: list[CameraRequest | None] = [None, None]
         self.running: list[Generator[Shown, bool, None] | None] = [None, None]
         self.kept = 0  # slots that the pass keeps
@@ -73,18 +75,19 @@ class Cameras:
 
 def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> Stimulus:
     """Passes, live and not, over slots in every state, until each of POINTS is in `seen`."""
-    cameras = Cameras(rng, seen)
+    cameras, most = Cameras(rng, model.slots, seen), model.slots
     for _ in range(2):  # with the reset, the pause before a pass
         yield {}
     for number in lasting(PASSES, 20 * PASSES, lambda: all(seen[name] for name in POINTS)):
-        slots = [rng.randrange(5), rng.randrange(5)]
+        slots = [rng.randrange(most), rng.randrange(most)]
         live, down = int(rng.random() < 0.85), rng.choice((0, 0, rng.randint(-4, 4), rng.randint(-14, 14), -512, 511))
         if rng.random() < 0.2:
             slots[1] = slots[0]
-        job = {"live_i": live, "slots_i": 1 << slots[0] | 1 << 8 + slots[1], "down_i": down & 0x3FF}
+        chosen = [0 if rng.random() < 0.05 else 1 << slot for slot in slots]
+        job = {"live_i": live, "slots_i": chosen[0] | chosen[1] << most, "down_i": down & 0x3FF}
         for c in (0, 1):
             if rng.random() < 0.85:
-                cameras.ask(c, [slots[c]] if rng.random() < 0.8 else [rng.randrange(5)])
+                cameras.ask(c, [slots[c]] if rng.random() < 0.8 else [rng.randrange(most)])
         until_done, clears = rng.random() < 0.3, rng.random() < 0.1
         before = rng.choice((0, 1, 2, 30, rng.randint(1, 90)))
         for clock in range(300 if until_done else before):
@@ -107,13 +110,13 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
             if not clocks % 7 and not ended:
                 for c in (0, 1):
                     if rng.random() < 0.1:
-                        cameras.ask(c, [rng.randrange(5)])
+                        cameras.ask(c, [rng.randrange(most)])
             row = int(waits > 3 and bool(ahead) and ahead[-1] == 1 and rows < 14 and rng.random() < 0.6)
             out = yield {**job, "begin_i": int(clocks == begin), "reading_i": 1, "row_i": row, "progress_i": now,
                          "slot_valid_i": cameras.valid, "clear_i": int(clocks == clear_at),
                          "rst_i": int(clocks == reset_at)}
             seen["size changed"] += clocks == clear_at and live
-            cameras.kept = sum(1 << slot for p, slot in enumerate(slots) if out["keep_o"] >> p & 1)
+            cameras.kept = sum({slot for p, slot in enumerate(chosen) if out["keep_o"] >> p & 1})
             ahead.append(out["there_o"] if clocks > LATENCY else 0)
             waits = 0 if row else waits + 1
             seen["row above the plane"] += row and rows < down and live
@@ -123,7 +126,8 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
             if clocks == 0 and live:
                 for state in states:
                     seen[BEGINS[state]] += 1
-                seen["same slot"] += slots[0] == slots[1]
+                seen["same slot"] += chosen[0] == chosen[1] != 0
+                seen["slot absent"] += 0 in chosen
             for was, state in zip(earlier, states, strict=True):
                 seen["lost before it began"] += (was, state) == (AWAITED, LOST)
                 seen["whole after it was awaited"] += clocks > 1 and was in (AWAITED, FOLLOWED) and state == WHOLE
@@ -140,7 +144,7 @@ def _passes(rng: random.Random, model: DenseLiveModel, seen: Counter[str]) -> St
 @cocotb.test()
 async def every_clock(dut) -> None:
     rng, seen = random.Random(cocotb.RANDOM_SEED), Counter[str]()
-    model = DenseLiveModel()
+    model = DenseLiveModel(slots=params().get("Slots", 8))
     def watch(i: Inputs, out: Outputs) -> None:
         assert not (i["live_i"] and out["lost_o"] and out["whole_o"])
 
@@ -150,5 +154,6 @@ async def every_clock(dut) -> None:
     assert seen.keys() >= POINTS, POINTS - seen.keys()
 
 
-def test_live() -> None:
-    simulate("slog_dense_live", __name__)
+@pytest.mark.parametrize("slots", [8, 3])
+def test_live(slots: int) -> None:
+    simulate("slog_dense_live", __name__, {"Slots": slots})

@@ -5,6 +5,7 @@ import random
 
 import cocotb
 import numpy as np
+import pytest
 
 from cocotb_tests.env.check import check_cycles
 from cocotb_tests.env.params import params
@@ -13,7 +14,7 @@ from golden.cycle.frontend.log import LogModel, pixel_inputs
 from golden.cycle.frontend.video_in import VideoInModel
 from golden.cycle.model import Inputs, Outputs, Stimulus, run_model
 from golden.log import kernels
-from golden.params import TINY
+from golden.params import FULL, TINY
 from golden.traffic.stalls import ready_pattern
 from golden.traffic.video import bad, good, play, texture
 from sim.testbench.runner import simulate
@@ -31,10 +32,12 @@ def _recorded(rng: random.Random, radius: int, width: int, height: int, shape: s
 
 
 @cocotb.test()
-@cocotb.parametrize(size=((18, 18), (31, 20), (48, 19)), sigma=(1.0, 4.0, None))
-async def every_clock(dut, size: tuple[int, int], sigma: float | None) -> None:
-    """LoG kernels, and small ones under which the rounding between the passes decides many signs."""
+@cocotb.parametrize(more=((2, 2), (15, 4), (32, 3)), sigma=(1.0, 4.0, None))
+async def every_clock(dut, more: tuple[int, int], sigma: float | None) -> None:
+    """LoG kernels, and small ones under which the rounding between the passes decides many signs; `more`: columns and
+    rows of the image beyond the window's."""
     p = params()
+    size = 2 * p["Radius"] + more[0], 2 * p["Radius"] + more[1]
     rng = random.Random(cocotb.RANDOM_SEED)
     shape = rng.choice(("none", "random"))
     rest = (0,) * (p["Radius"] - 2)
@@ -47,7 +50,7 @@ async def every_clock(dut, size: tuple[int, int], sigma: float | None) -> None:
         for px in clocks:
             yield {**coefs, **px}
         for n in range(LogModel(p["MaxWidth"], p["Radius"]).latency + 2):
-            yield {**coefs, "rst_i": int(size[0] == 31 and n == 20)}  # a reset with the last row under way
+            yield {**coefs, "rst_i": int(more[0] == 15 and n == 20)}  # a reset with the last row under way
 
     def count(i: Inputs, out: Outputs) -> None:
         if out["bit_valid_o"]:
@@ -58,5 +61,6 @@ async def every_clock(dut, size: tuple[int, int], sigma: float | None) -> None:
     assert min(bits) > size[0] * size[1]
 
 
-def test_log() -> None:
-    simulate("slog_log", __name__, {"MaxWidth": TINY.max_width, "Radius": TINY.radius})
+@pytest.mark.parametrize(("width", "radius"), [(TINY.max_width, TINY.radius), (64, FULL.radius)])
+def test_log(width: int, radius: int) -> None:
+    simulate("slog_log", __name__, {"MaxWidth": width, "Radius": radius})

@@ -6,7 +6,7 @@
 //
 // Stages     : clog2(Terms) levels of adders, one register more before the last two, because the terms lie far apart
 // Latency    : clog2(Terms) + 1 clocks from term_i to sum_o. A node of level l adds, with its carry_i, l clocks after the terms
-//              came, from the last but one level on l + 1; its carry_o comes a clock later.
+//              came, one of the last two levels l + 1; its carry_o comes a clock later.
 // Throughput : one sum per clock.
 // Formats    : terms in machine words, which simulate fast, of which the lower SumW bits are used; sums modulo 2**SumW. A
 //              node is a pair of terms, numbered level by level; an odd term goes on to the next level alone. Terms are 5

@@ -212,6 +212,7 @@ module slog_log #(
   assign bit_abort_o = abort_q[Latency-1];
   assign busy_o      = busy_q;
 
+  `SLOG_ASSERT_INIT(SlogLogHalves, SumV <= 24 && SumH > 24)
   `SLOG_ASSERT_NEXT(SlogLogWholeLines, px_valid_i && !px_last_i, px_valid_i)
   `SLOG_ASSERT(SlogLogLineLength, !(px_valid_i && px_last_i) || 32'(px_col_i) >= 2 * Radius + 1)
   `SLOG_ASSERT(SlogLogLiveOut, !px_live_i || (px_valid_i && px_out_i))

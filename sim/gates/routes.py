@@ -48,13 +48,13 @@ def _comb(pin: str, letter: str, half: int, n: int) -> str:
 
 
 def wire(cell: Cell, pin: str) -> str | None:
-    """The wire that a pin is; None for those outside of the fabric: pads, and the outputs that drive global networks.
+    """The wire that a pin is; None for those outside of the device: pads.
 
     Raises:
         ValueError: if the cell's place is unknown.
     """
     kind, place = cell["type"], cell["attributes"].get("NEXTPNR_BEL", "")
-    if (kind, pin) in (("DCCA", "CLKO"), ("TRELLIS_IO", "B")):
+    if (kind, pin) == ("TRELLIS_IO", "B"):
         return None
     if kind == "DCCA" and (found := BUFFER.search(place)):
         return f"X0/Y0/G_{'JCE' if pin == 'CE' else pin}_{found[1]}"
@@ -71,7 +71,7 @@ def wire(cell: Cell, pin: str) -> str | None:
     if found := BLOCK.search(place):
         tile, block, letter = found[1], found[2], found[3]
         if block == "PIO":
-            return f"{tile}/{PAD[pin]}{letter}_PIO"
+            return f"{tile}/{PAD.get(pin, pin)}{letter}_PIO"
         return f"{tile}/J{pin}_{block.rstrip('_')}"
     raise ValueError(f"{kind} has no place that is known: {place!r}")
 
@@ -97,21 +97,37 @@ def _wires(name: str, net: Mapping[str, Any]) -> Iterator[tuple[str, str | None]
         yield place, before
 
 
+def _once(name: str, net: Mapping[str, Any]) -> dict[str, str | None]:
+    """The `_wires` of a net.
+
+    Raises:
+        ValueError: if one comes twice.
+    """
+    wires: dict[str, str | None] = {}
+    for place, before in _wires(name, net):
+        if place in wires:
+            raise ValueError(f"net {name}: {place} has two switches")
+        wires[place] = before
+    return wires
+
+
 def _connected(name: str, wires: Mapping[str, str | None], source: str | None) -> None:
-    """Check that each of a net's wires comes from `source`, or from the global network if that is None.
+    """Check that each of a net's wires comes from `source`, or from the global network that it drives.
 
     Raises:
         ValueError: if one does not.
     """
+    spread = bool(GLOBAL.search(source or ""))
     known = {place for place, before in wires.items() if before is None}
-    if known != {source} if source else not all(GLOBAL.search(place) for place in known):
-        raise ValueError(f"net {name} begins at {', '.join(sorted(known)[:3]) or 'no wire'}, not at {source}")
+    begins = {place for place in known if not (spread and TRUNK.search(place))}
+    if begins != {source}:
+        raise ValueError(f"net {name} begins at {', '.join(sorted(begins)[:3]) or 'no wire'}, not at {source}")
     for end in wires:
         place, way = end, set()
         while place not in known:
             way.add(place)
             before = str(wires[place])
-            if source is None and GLOBAL.search(before):
+            if spread and GLOBAL.search(before):
                 break
             if before not in wires or before in way:
                 raise ValueError(f"net {name}: nothing drives {before}, which drives {place}")
@@ -125,7 +141,8 @@ def _network(name: str, wires: Mapping[str, str | None]) -> str:
     Raises:
         ValueError: if there is none or another one, too.
     """
-    numbers = {found[1] for place in wires if (found := TRUNK.search(place))}
+    places = (*wires, *filter(None, wires.values()))
+    numbers = {found[1] for place in places if (found := TRUNK.search(place))}
     if len(numbers) != 1:
         raise ValueError(f"net {name} is on the global networks {', '.join(sorted(numbers)) or 'none'}, not on one")
     return numbers.pop()
@@ -157,12 +174,13 @@ def check(module: Mapping[str, Any]) -> tuple[int, int]:
     switches: dict[str, str | None] = {}
     nets = 0
     for name, net in module["netnames"].items():
-        bit, wires = net["bits"][0], dict(_wires(name, net))
+        bit, wires = net["bits"][0], _once(name, net)
         if not wires:
             continue
         nets += 1
-        _connected(name, wires, drivers[bit])
-        if drivers[bit] is None:
+        source = drivers[bit]
+        _connected(name, wires, source)
+        if source and GLOBAL.search(source):
             number = _network(name, wires)
             if networks.setdefault(number, name) != name:
                 raise ValueError(f"global network {number} belongs to {networks[number]} and {name}")

@@ -21,7 +21,7 @@ PLACER = ("--placer", "heap", "--placer-heap-timingweight", "30")
 the clock."""
 ROUTERS = "router1", "router2"
 """The routers, the better one first: its wires take little longer than the placer expects, but it does not end where
-the last nets cannot be untangled. The second one ends."""
+the last nets cannot be untangled. Then, and where the first one fails, the second one routes."""
 PATIENCE = 20
 """Reports of the first router, one every thousand steps, without fewer open wires, until the second one routes."""
 
@@ -71,5 +71,5 @@ def route(folder: Path, seed: int, pins: bool, mhz: float, written: Path | None 
     for router, patience in zip(ROUTERS, (PATIENCE, None), strict=True):
         if _nextpnr(folder / f"seed{seed}.{router}.log", pins, mhz, *args, "--router", router, patience=patience):
             break
-        print(f"  seed {seed}: {router} did not end, routed by {ROUTERS[1]}", flush=True)
+        print(f"  seed {seed}: {router} did not finish, routed by {ROUTERS[1]}", flush=True)
     return {**json.loads(report.read_text()), "router": router}

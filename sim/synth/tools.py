@@ -33,16 +33,32 @@ def stuck(text: str, patience: int) -> bool:
 
 
 def run_tool(name: str, log: Path, *args: str | Path, patience: int | None = None) -> bool:
-    """Run a tool, its output in `log`; False if it was stopped because it was `stuck` for `patience` reports."""
+    """Run a tool, its output in `log`.
+
+    Args:
+        name: of the tool.
+        log: file for what it prints.
+        args: its arguments; a path within the project becomes what the tool sees.
+        patience: reports without progress after which it is stopped as `stuck`, None: never.
+
+    Returns:
+        Whether it has done its work: False if it was stopped, or failed and has `patience`, for another one to try.
+
+    Raises:
+        SystemExit: if it failed and has no `patience`.
+    """
     tool = installed_tool(name, "synth", "synth")
     words = [seen(a) if isinstance(a, Path) else a for a in args]
     with log.open("w") as out, subprocess.Popen([str(tool), *words], cwd=ROOT, stdout=out,
                                                 stderr=subprocess.STDOUT) as process:
-        while patience is not None and process.poll() is None:
-            time.sleep(1)
-            if stuck(log.read_text(), patience) and process.poll() is None:
-                process.kill()
-                return False
-    if process.returncode:
+        try:
+            while patience is not None and process.poll() is None:
+                time.sleep(1)
+                if stuck(log.read_text(errors="replace"), patience) and process.poll() is None:
+                    process.kill()
+        except BaseException:
+            process.kill()
+            raise
+    if process.returncode and patience is None:
         raise SystemExit(f"{name} failed with status {process.returncode}; {log} ends:\n{tail(log, 15)}")
-    return True
+    return process.returncode == 0

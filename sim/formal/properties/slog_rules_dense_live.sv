@@ -94,6 +94,8 @@ module slog_rules_dense_live
         RulesDenseLiveBroken : assert (lost_o || broke_q[Latency] == '0);
         RulesDenseLiveOneEnd : assert (!(whole_o && lost_o));
       end
+      RulesDenseLiveAbsent : assert (!(reading_q && live_i) || ((!here_o[0] || slots_i[0] != '0) &&
+                                                                (!here_o[1] || slots_i[1] != '0)));
       RulesDenseLiveStays : assert (!(reading_q && lost_q) || begin_i || !reading_i || lost_o);
       RulesDenseLiveFree : assert (live_i || (keep_o == 2'b11));
       CoverThere : cover (there_o && live_i && reading_q && y_q == 10'd1 && had_q == '0 && done_q == '0 && age_q >= 4'd8);

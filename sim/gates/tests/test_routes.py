@@ -25,7 +25,7 @@ def _net(bit: int, *hops: str) -> dict[str, Any]:
 Q = ("X4/Y3/Q0_SLICE;", "X4/Y3/Q0;X4/Y3/0_0_Q0_SLICE->0_0_Q0", "X5/Y3/H01E0001;X4/Y3/0_0_Q0->1_0_H01E0001",
      "X5/Y3/B3;X5/Y3/0_0_H01E0001->0_0_B3", "X5/Y3/A3_SLICE;X5/Y3/0_0_B3->0_0_A3_SLICE")
 PAD = "X0/Y9/JPADDIA_PIO;", "X0/Y0/G_CLKI_TDCC0;X9/Y0/-9_9_JPADDIA_PIO->-9_0_G_CLKI_TDCC0"
-CLK = ("X9/Y9/G_CLKO_TDCC0;", "X4/Y3/G_HPBX0000;", "X4/Y3/CLK0;X4/Y3/0_0_G_HPBX0000->0_0_CLK0",
+CLK = ("X0/Y0/G_CLKO_TDCC0;", "X4/Y3/G_HPBX0000;", "X4/Y3/CLK0;X4/Y3/0_0_G_HPBX0000->0_0_CLK0",
        "X4/Y3/CLK0_SLICE;X4/Y3/0_0_CLK0->0_0_CLK0_SLICE")
 GOOD = {"cells": {"ff": _cell("TRELLIS_FF", "X4/Y3/SLICEA.FF0", Q=2, CLK=3),
                   "lut": _cell("TRELLIS_COMB", "X5/Y3/SLICEB.K1", A=2, F=4),
@@ -57,6 +57,9 @@ def test_good_routes() -> None:
     (_changed("q", *Q, "X5/Y3/B3_SLICE;X5/Y3/0_0_B3->0_0_B3_SLICE"), "lut.B is the wire X5/Y3/B3_SLICE, .* to q"),
     (_changed("clk", *CLK, "X5/Y3/B3;X4/Y3/0_0_G_HPBX0000->1_0_B3"), "X5/Y3/B3 belongs to the nets q and clk"),
     (_changed("clk", *CLK, "X5/Y3/G_HPBX0500;"), "net clk is on the global networks 0000, 0500, not on one"),
+    (_changed("clk", *CLK[:2], "X4/Y3/CLK0;X4/Y3/0_0_G_HPBX0100->0_0_CLK0", CLK[3]), "global networks 0000, 0100"),
+    (_changed("clk", "X0/Y0/G_CLKO_TDCC7;", *CLK[1:]), "begins at X0/Y0/G_CLKO_TDCC7, not at X0/Y0/G_CLKO_TDCC0"),
+    (_changed("q", *Q, Q[-1]), "net q: X5/Y3/A3_SLICE has two switches"),
     (_changed("clk", CLK[0]), "net clk is on the global networks none, not on one"),
     (_changed("pad"), "clock.CLKI is the wire X0/Y0/G_CLKI_TDCC0, which belongs to no net"),
     (_changed("q", *Q, "X4/Y3/CE0_SLICE;X4/Y3/0_0_Q0->0_0_CE0_SLICE"), "ff.CE is the wire .* to q"),
@@ -74,7 +77,7 @@ def test_two_nets_on_one_global_network() -> None:
     """Each buffer has a network of its own."""
     module = deepcopy(GOOD)
     module["cells"]["other"] = _cell("DCCA", "X9/Y9/TDCC1", CLKO=7)
-    module["netnames"]["rst"] = _net(7, "X9/Y9/G_CLKO_TDCC1;", "X8/Y3/G_HPBX0000;")
+    module["netnames"]["rst"] = _net(7, "X0/Y0/G_CLKO_TDCC1;", "X8/Y3/G_HPBX0000;")
     with pytest.raises(ValueError, match="global network 0000 belongs to clk and rst"):
         check(module)
 
