@@ -57,7 +57,7 @@ class DensePass:
 
     def __post_init__(self) -> None:
         if self.window not in WINDOWS:
-            raise ValueError(f"window is {self.window}: must be one of {', '.join(map(str, WINDOWS))}")
+            raise ValueError(f"window is {self.window!r}: must be one of {', '.join(map(str, WINDOWS))}")
         for name, low, top in (("window", 1, WINDOWS[-1]), ("offsets", 1, MAX_OFFSETS), ("start", *START_RANGE),
                                ("down", *START_RANGE)):
             object.__setattr__(self, name, whole(name, getattr(self, name), low, top))

@@ -59,7 +59,8 @@ class DenseJob:
             one of them does not become whole, the pass ends with a status of its own, and its map must not be used.
 
     Raises:
-        ValueError: if a number is not whole or does not fit its register.
+        ValueError: if a number is not whole or does not fit its register, `search` is no pass, or `step` is not two
+            numbers.
     """
 
     left: int
@@ -76,7 +77,9 @@ class DenseJob:
             object.__setattr__(self, name, whole(name, getattr(self, name), 0, top))
         for name in ("check", "live"):
             object.__setattr__(self, name, bool(getattr(self, name)))
-        if len(self.step) != 2:
+        if not isinstance(self.search, DensePass):
+            raise ValueError(f"search is {self.search!r}: must be a DensePass")
+        if np.shape(self.step) != (2,):
             raise ValueError(f"step is {self.step}: must be two numbers, across and down")
         across, down = (whole("step", n, 0, STEP_MAX) for n in self.step)
         object.__setattr__(self, "step", (across, down))

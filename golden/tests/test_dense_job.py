@@ -74,7 +74,9 @@ def test_an_offset_without_rest_is_valid_whatever_the_margin() -> None:
 @pytest.mark.parametrize(("change", "message"), [
     ({"left": 8}, "left is 8"), ({"right": -1}, "right is -1"), ({"most": 2048}, "most is 2048"),
     ({"margin": -1}, "margin is -1"), ({"step": (1, 256)}, "step is 256"), ({"step": (-1, 1)}, "step is -1"),
-    ({"step": (1, 1, 1)}, "step is"), ({"left": 0.5}, "left is 0.5: must be a whole number"),
+    ({"step": (1, 1, 1)}, "step is"), ({"step": 2}, "step is 2: must be two numbers"), ({"step": None}, "step is None"),
+    ({"search": None}, "search is None: must be a DensePass"), ({"search": (16, 8)}, "search is"),
+    ({"left": 0.5}, "left is 0.5: must be a whole number"),
     ({"most": 12.0}, "most is 12.0")])
 def test_what_fits_no_register_is_refused(change: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):

@@ -259,10 +259,11 @@ class Board(ABC):
             Arrays (ceil(height / step_y), ceil(width / step_x)), counts in mismatches.
 
         Raises:
-            BoardError: if this build has no dense engine, a slot was captured at another image size, or the board
-                refuses the job.
+            BoardError: if this build has no dense engine, nothing was configured, a slot was captured at another image
+                size, or the board refuses the job.
         """
         self._check_engine()
+        self._check_configured()
         for slot in (job.left, job.right):
             self._check_slot(slot)
         return self._answer(*self._dense(job))
@@ -313,6 +314,10 @@ class Board(ABC):
         if not self._config.dense_offsets:
             raise BoardError("this board has no dense engine: use the configuration dense")
 
+    def _check_configured(self) -> None:
+        if not self._configurations:
+            raise BoardError("choose image size and filter with configure() before the first capture")
+
     @staticmethod
     def _answer(status: DenseStatus, result: DenseResult | None) -> DenseResult:
         if result is None:
@@ -345,8 +350,7 @@ class Board(ABC):
             self._usable.pop(slot, None)
 
     def _check_capture(self, slot: int, frame: Image, camera: int) -> None:
-        if not self._configurations:
-            raise BoardError("choose image size and filter with configure() before the first capture")
+        self._check_configured()
         if not all(isinstance(number, (int, np.integer)) for number in (slot, camera)):
             raise BoardError(f"slot {slot!r} of camera {camera!r}: both must be whole numbers")
         if not 0 <= slot < self._config.slots:

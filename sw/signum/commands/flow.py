@@ -61,14 +61,14 @@ class FlowGrid:
         help="Width of the LoG's Gaussian, pixels of the board's picture.")] = None
     window: Annotated[int | None, typer.Option(
         "--window", rich_help_panel=BOARD, min=8, max=128, show_default="64; 32 with --dense",
-        help="Side of the correlation windows, pixels of the board's picture.")] = None
+        help="Side of the correlation windows, pixels of the board's picture; with --dense 8, 16 or 32.")] = None
     dense: DenseOption = False
     moving: Annotated[bool, typer.Option(
         "--moving", rich_help_panel=BOARD, help="With --dense: what moves by itself, too, against the motion that "
         "most of the picture has.")] = False
     step: Annotated[int | None, typer.Option(
-        "--step", min=1, show_default="32; 8 with --dense", help="Grid of the field, pixels of the board's picture.")
-    ] = None
+        "--step", min=1, max=255, show_default="32; 8 with --dense",
+        help="Grid of the field, pixels of the board's picture.")] = None
     reach: Annotated[int, typer.Option("--reach", min=2, max=64, help="Largest change of the flow from frame to frame, "
                                        "pixels of the board's picture.")] = 16
 

@@ -41,6 +41,7 @@ from signum.frames.frame import Frame, Source, grey
 from signum.geometry.calibration import Rectifier, StereoGeometry
 from signum.measure.dense_stereo import measure_dense_range
 from signum.measure.stereo import RangeMap, measure_range
+from signum.measure.winners import REACH
 from signum.report.ranges import draw_range, write_ply
 from signum.report.rows import disparity_rows
 from signum.sources.open import open_rig, open_source
@@ -65,7 +66,8 @@ class DisparityOptions:
         help="Largest disparity searched for, original pixels.")] = None
     least: Annotated[int, typer.Option("--least", rich_help_panel=SEARCH,
                                        help="Smallest disparity, original pixels.")] = 0
-    step: Annotated[int | None, typer.Option("--step", rich_help_panel=SEARCH, min=1, show_default="8; 1 with --dense",
+    step: Annotated[int | None, typer.Option("--step", rich_help_panel=SEARCH, min=1, max=255,
+                                             show_default="8; 1 with --dense",
                                              help="Grid of the map, pixels of the board's picture.")] = None
     dense: DenseOption = False
 
@@ -75,12 +77,20 @@ class DisparityOptions:
         return self.step or (1 if self.dense else GRID)
 
     def disparities(self, fit: Fit) -> tuple[int, int]:
-        """Smallest and largest disparity, pixels of the board's picture."""
+        """Smallest and largest disparity, pixels of the board's picture.
+
+        Raises:
+            SourceError: if there are fewer than three, or the dense engine does not reach them.
+        """
         factor = fit.factor[0]
         low = int(np.floor(self.least / factor))
         high = fit.board[0] // 4 if self.most is None else int(np.ceil(self.most / factor))
         if high < low + 2:
             raise SourceError(f"--least {self.least} to --most {self.most}: search at least three disparities")
+        if self.dense and max(-low, high) > REACH:
+            far = int(REACH * factor)
+            raise SourceError(f"--least {self.least}, --most {round(high * factor)}: the dense engine searches from "
+                              f"{-far} to {far}; choose disparities in between, or leave --dense out")
         return low, high
 
 

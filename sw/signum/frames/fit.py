@@ -45,11 +45,10 @@ class Fit:
         least = max(window, config.min_image)
         if min(board) < least:
             seen = "" if board == size else f" ({size_text(board)} on the board)"
-            remedy = (f"choose a smaller one, e.g. --window {max(config.min_window, min(board) // 2)}"
-                      if min(board) >= config.min_image else
-                      f"the board takes {size_text((config.min_image, config.min_image))} or more")
-            raise SourceError(f"{label}: {size_text(size)} pixels{seen} is smaller than the "
-                              f"{size_text((least, least))} window: {remedy}")
+            remedy = (f"smaller than the {size_text((least, least))} window: choose a smaller one, e.g. --window "
+                      f"{max(config.min_window, min(board) // 2)}" if min(board) >= config.min_image else
+                      f"too small: the board takes {size_text((config.min_image, config.min_image))} or more")
+            raise SourceError(f"{label}: {size_text(size)} pixels{seen} is {remedy}")
         return cls(size, board)
 
     def coarser(self, longest: int) -> Fit:

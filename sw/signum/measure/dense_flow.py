@@ -65,12 +65,14 @@ def measure_dense_flow(measurer: Measurer, before: View, after: View, window: in
         The field, at the middles of the windows that lie in the first frame.
 
     Raises:
-        ValueError: if no window fits the picture.
+        ValueError: if no window fits the picture, `reach` is negative, or no engine has such windows.
         BoardError: if the board has no dense engine, or not of this window.
     """
     rules = rules or DenseFlowRules()
     if window > min(measurer.size):
         raise ValueError(f"no window of {window}x{window} fits a picture of {measurer.size[0]}x{measurer.size[1]}")
+    if min(reach) < 0:
+        raise ValueError(f"reach is {reach}: must be 0 or more, across and down")
     (left, right), (up, down) = ((round(at) - far, round(at) + far) for at, far in zip(guess, reach, strict=True))
     found = search_winners(measurer, (before, after), window, (left, right), (up, down), step)
     back = search_places(measurer, (after, before), window, (-right, -left), (-down, -up))

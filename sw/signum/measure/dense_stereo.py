@@ -27,7 +27,7 @@ from signum.measure.measurer import Measurer, View
 from signum.measure.stereo import RangeMap
 from signum.measure.subpixel import CONE_FROM, line_offsets
 from signum.measure.validity import Reason
-from signum.measure.winners import NONE, search_places, search_winners
+from signum.measure.winners import NONE, REACH, search_places, search_winners
 
 Flags = NDArray[np.bool_]
 T = TypeVar("T", bound=np.generic)
@@ -88,11 +88,16 @@ def measure_dense_range(measurer: Measurer, left: View, right: View, disparities
         rules: what makes a disparity valid.
 
     Raises:
-        ValueError: if there are fewer than three disparities to search.
+        ValueError: if there are fewer than three disparities to search, one is beyond REACH either way, `step` is less
+            than 1, or no engine has such windows.
         BoardError: if the board has no dense engine, or not of this window.
     """
     if disparities[1] < disparities[0] + 2:
         raise ValueError("search at least three disparities")
+    if max(-disparities[0], disparities[1]) > REACH:
+        raise ValueError(f"disparities from {disparities[0]} to {disparities[1]}: must lie in {-REACH}..{REACH}")
+    if step < 1:
+        raise ValueError(f"step is {step}: must be 1 or more")
     rules = rules or DenseStereoRules()
     found = _measure_map(measurer, left, right, disparities, window)
     smaller, larger = (_measure_map(measurer, left, right, disparities, side) if side in measurer.dense_windows

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.dense import ABSENT, AGREEMENT, DensePass
+from golden.dense import ABSENT, AGREEMENT, START_RANGE, DensePass
 from signum.common.arrays import Floats
 from signum.measure.measurer import Measurer, View
 from signum.measure.subpixel import leaning_offsets
@@ -24,6 +24,8 @@ Whole = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 NONE = 1 << 20
 """In place of a count that is absent: more than any."""
+REACH = START_RANGE[1]
+"""Largest displacement across that can be searched for, either way, pixels."""
 OVERLAP = 2
 """Displacements that two parts of a row share."""
 
@@ -152,7 +154,7 @@ def search_winners(measurer: Measurer, views: tuple[View, View], window: int, ac
 
     Raises:
         BoardError: if the board has no dense engine, or not of this window.
-        ValueError: if a displacement is larger than 512 pixels.
+        ValueError: if a displacement across is beyond REACH either way, or no engine has such windows.
     """
     rows = [_search_row(measurer, views, window, across, dy, step) for dy in range(down[0], down[1] + 1)]
     which = np.argmin(np.stack([row.best for row in rows]), 0)

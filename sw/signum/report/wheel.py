@@ -50,10 +50,13 @@ def wheel_colours(dx: Floats, dy: Floats) -> tuple[Image, Floats]:
     """Colours of displacements, uint8 (n, 3) blue, green, red, and their strengths, 0..1.
 
     Args:
-        dx, dy: (n,) displacements, 1 for the strongest colour: right is red, down is yellow-green, left is cyan.
+        dx, dy: (n,) displacements, 1 for the strongest colour: right is red, down is yellow-green, left is cyan. There
+            may be none.
     """
     strength = np.clip(np.hypot(dx, dy), 0, 1)
     hue = np.rint(np.degrees(np.arctan2(dy, dx)) % 360 / 2) % 180
+    if not hue.size:  # OpenCV takes no empty picture
+        return np.zeros((0, 3), np.uint8), strength
     hsv = np.stack([hue, 255 * strength, np.full_like(hue, 255)], axis=-1).astype(np.uint8)
     return np.asarray(cv2.cvtColor(hsv[:, None], cv2.COLOR_HSV2BGR)[:, 0], np.uint8).reshape(-1, 3), strength
 

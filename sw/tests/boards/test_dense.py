@@ -90,6 +90,11 @@ def test_refused_jobs(board: GoldenBoard, change: dict[str, object], message: st
         board.dense(replace(JOB, **change))  # type: ignore[arg-type]
 
 
+def test_a_board_that_was_not_configured_says_so() -> None:
+    with pytest.raises(BoardError, match="choose image size and filter with configure"):
+        GoldenBoard(TINY_DENSE).dense(JOB)
+
+
 def test_slots_of_another_size_are_refused(board: GoldenBoard) -> None:
     board.configure((40, 30), 1.5)
     with pytest.raises(BoardError, match="slot 0 was captured at another image size"):

@@ -135,11 +135,34 @@ def test_what_does_not_go_together_is_one_line(tmp_path: Path, command: str, opt
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("more", [(), ("--moving",)])
+def test_a_frame_that_shows_nothing_does_not_end_a_dive(tmp_path: Path, more: tuple[str, ...]) -> None:
+    """Its pairs have no valid window and are drawn grey; those after it are measured."""
+    frames = np.stack([SCENE[:96, 12 - k:168 - k] for k in range(5)])
+    frames[2] = 12
+    np.save(tmp_path / "dive.npy", frames)
+    result = _run("flow", tmp_path / "dive.npy", "--dense", "--reach", "3", *more, "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    rows = _rows(tmp_path / "out" / "flow.csv")
+    assert [{row["valid"] for row in rows if row["frame_a"] == str(k)} == {"0"} for k in range(4)] == [
+        False, True, True, False]
+
+
+@pytest.mark.parametrize(("options", "says"), [
+    (("--most", "512"), "--least 0, --most 512: the dense engine searches from -511 to 511; "),
+    (("--least", "-600"), "--least -600, --most 39: the dense engine searches from -511 to 511; ")])
+def test_disparities_that_the_engine_does_not_reach(tmp_path: Path, options: tuple[str, str], says: str) -> None:
+    result = _run("stereo", *_pair(tmp_path, -5, 0), "--dense", *options, "--out", tmp_path / "out")
+    assert result.exit_code == 1 and f"signum: {says}" in result.stderr
+    assert "Traceback" not in result.output and "report it" not in result.output
+
+
 def test_colours_of_the_wheel_and_of_a_field(tmp_path: Path) -> None:
     colours, strength = wheel_colours(np.array([1.0, 0, -1, 0, 0, 5]), np.array([0.0, 1, 0, -1, 0, 0]))
     assert colours[0].tolist() == colours[5].tolist() == [0, 0, 255], "right is red"
     assert colours[2].tolist() == [255, 255, 0], "left is cyan" and strength.tolist() == [1, 1, 1, 1, 0, 1]
     assert colours[4].tolist() == [255, 255, 255], "rest is white"
+    assert wheel_colours(np.zeros(0), np.zeros(0))[0].shape == (0, 3), "nothing to colour"
     x, y = np.arange(20.0, 140, 8), np.arange(20.0, 80, 8)
     dx = np.full((y.size, x.size), 3.0)
     dx[:, :4] = np.nan

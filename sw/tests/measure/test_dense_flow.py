@@ -65,8 +65,10 @@ def test_centres_strangers_and_reasons() -> None:
     assert same.valid.all() and np.abs(same.dx).max() < 0.02 and not same.refused
 
 
-def test_a_window_larger_than_the_picture_is_refused() -> None:
+def test_a_window_larger_than_the_picture_and_a_negative_reach_are_refused() -> None:
     measurer = Measurer(GoldenBoard(DENSE), (40, 34), 1.5)
     views = measurer.pair(*(np.zeros((34, 40), np.uint8),) * 2)
     with pytest.raises(ValueError, match="no window of 64x64"):
         measure_dense_flow(measurer, *views, window=64)
+    with pytest.raises(ValueError, match="reach is"):
+        measure_dense_flow(measurer, *views, reach=(3, -1))

@@ -60,7 +60,12 @@ def test_what_cannot_be_measured_is_said() -> None:
     picture = np.random.default_rng(1).integers(0, 256, (96, 120), dtype=np.uint8)
     for config, disparities, window, error, message in (
             (FULL, (0, 9), 16, BoardError, "no dense engine"), (DENSE, (0, 9), 64, ValueError, "window is 64"),
-            (DENSE, (3, 4), 16, ValueError, "at least three")):
+            (DENSE, (3, 4), 16, ValueError, "at least three"),
+            (DENSE, (0, 512), 16, ValueError, "must lie in -511..511"),
+            (DENSE, (-512, 9), 16, ValueError, "must lie in -511..511")):
         measurer = Measurer(GoldenBoard(config), (120, 96), 1.0)
         with pytest.raises(error, match=message):
             measure_dense_range(measurer, *measurer.pair(picture, picture), disparities, window)
+    measurer = Measurer(GoldenBoard(DENSE), (120, 96), 1.0)
+    with pytest.raises(ValueError, match="step is 0: must be 1 or more"):
+        measure_dense_range(measurer, *measurer.pair(picture, picture), (0, 9), step=0)
