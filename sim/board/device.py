@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +29,13 @@ def frame_beats(frame: Image) -> Beats:
     beats[:, -1] |= 1 << 9
     beats[0, 0] |= 1 << 8
     return beats.reshape(-1)
+
+
+class Closed:
+    """In place of the library of a board that was closed."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise DeviceError("the board is closed: make another one")
 
 
 class Device(RegisterDriver):
@@ -61,7 +69,8 @@ class Device(RegisterDriver):
         """Free the simulation and finish its wave dump."""
         if self._board is not None:
             self._lib.slog_free(self._board)
-            self._board = None
+            closed: Any = Closed()
+            self._board, self._lib = None, closed
 
     @property
     def clocks(self) -> int:

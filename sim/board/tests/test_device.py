@@ -109,6 +109,15 @@ def test_tiny_jobs(tiny: Device, pause: float) -> None:
     assert after["overflows"] == before["overflows"]
 
 
+def test_a_closed_board_says_so() -> None:
+    device = Device("tiny")
+    device.close()
+    device.close()
+    for call in (lambda: device.clocks, device.counters, device.reset, lambda: device.tick(1)):
+        with pytest.raises(DeviceError, match="the board is closed"):
+            call()
+
+
 def test_tiny_grid(tiny: Device) -> None:
     """One command, many jobs; the last column runs off the image."""
     rng = random.Random(5)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Annotated
 
@@ -180,17 +180,19 @@ def stereo(
     other = open_source(right)
     session.name += f" and {identity(right)}"
     rig = open_rig(calibration).rectifier(session.first.size) if calibration is not None else None
-    geometry = rig.geometry if rig else None
+    geometry = None if rig is None else (rectified and rig.given) or rig.geometry
     with session as run:
         teller = RangeTeller(run, told, search, geometry)
         rectify = None if rectified else rig
+        search.disparities(run.fit)
         pairs = _pairs(run, other)
+        first = next(pairs)  # whatever is wrong with it is said before anything in the folder is touched
         run.page()
         table = run.table("disparity.csv", DISPARITY)
         run.measured = lambda: sum(s > 0 for s in shares)
         run.summary = lambda: (f"{output / 'disparity.csv'}: {run.done} pairs, {np.mean(shares):.0%} of the "
                                f"{'pixels' if search.dense else 'windows'} valid{teller.said}")
-        for frame, seen in run.steps("stereo", pairs, run.source.count):
+        for frame, seen in run.steps("stereo", chain([first], pairs), run.source.count):
             shown, found = _measure(run, seen, rectify, search)
             if not shares and found.valid.mean() < FEW:
                 _tell_exchanged(run, seen, rectify, search, float(found.valid.mean()))

@@ -89,8 +89,8 @@ def real_path(path: str | Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file as a whole, in UTF-8."""
-    write_bytes(path, text.encode())
+    """Write a text file as a whole, in UTF-8; what names of files have that is none is written as `\\udcff`."""
+    write_bytes(path, text.encode(errors="backslashreplace"))
 
 
 def write_picture(path: Path, picture: NDArray[Any], compression: int = FAST) -> None:

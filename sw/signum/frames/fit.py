@@ -88,4 +88,4 @@ class Fit:
         if not self.scaled:
             return ""
         return (f"frames of {size_text(self.source)} are scaled to {size_text(self.board)} for the board; "
-                "figures are in original pixels")
+                "figures are in original pixels, those drawn in pictures in the board's")

@@ -14,6 +14,8 @@ from signum.geometry.lens import CalibrationError, Lens
 
 ROTATION_ERROR = 1e-3
 """Largest error of an entry of R R' against the unit matrix."""
+STILL = 1e-6
+"""Largest share by which the cameras of a pair that needs no rectification differ."""
 SHORTEST_BASELINE, LONGEST_BASELINE = 1e-3, 10.0
 """Length of T, metres: no pair under water is smaller or wider."""
 SHORTEST_MM = 20.0
@@ -65,11 +67,13 @@ class Rectifier:
         geometry: of the rectified pair.
         size: width and height of the frames, pixels.
         maps: for the left and the right camera, the x and y in its frame of each rectified pixel, (height, width).
+        given: geometry of the pair as it was calibrated, if it needs no rectification.
     """
 
     geometry: StereoGeometry
     size: tuple[int, int]
     maps: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
+    given: StereoGeometry | None = None
 
     def __call__(self, left: Image, right: Image) -> tuple[Image, Image]:
         """Rectified pair, uint8 (height, width) of the calibration's size.
@@ -139,6 +143,16 @@ class Rig:
                     "taken in the other order, the second for the left frames")
         return Rig(self.second, self.first, self.turn.T, -self.turn.T @ self.move, self.label)
 
+    def _level(self) -> StereoGeometry | None:
+        """Geometry of the pair if it needs no rectification, else None."""
+        one, two = self.first.matrix, self.second.matrix
+        if (self.first.distortion.any() or self.second.distortion.any() or np.abs(self.turn - np.eye(3)).max() > STILL
+                or np.abs(self.move[1:]).max() > -STILL * self.move[0]
+                or not np.allclose(one[[0, 1, 1], [0, 1, 2]], two[[0, 1, 1], [0, 1, 2]], rtol=STILL)):
+            return None
+        return StereoGeometry(float(one[0, 0]), float(-self.move[0]), (float(one[0, 2]), float(one[1, 2])),
+                              float(two[0, 2] - one[0, 2]))
+
     def scaled(self, size: tuple[int, int]) -> Rig:
         """The pair with pictures of another resolution.
 
@@ -180,4 +194,4 @@ class Rig:
                                   float(p2[0, 2] - p1[0, 2]))
         maps = [lens.maps(np.asarray(r, np.float64), np.asarray(p, np.float64)) for lens, r, p in
                 ((one, r1, p1), (two, r2, p2))]
-        return Rectifier(geometry, one.size, (maps[0], maps[1]))
+        return Rectifier(geometry, one.size, (maps[0], maps[1]), rig._level())

@@ -23,6 +23,7 @@ WORDS = {
     "margin": "another place matches nearly as well", "border": "the match lies at the border of the search",
     "texture": "too little texture", "return": "the search back does not return",
     "parts": "parts of the window, or one twice as large, moved differently", "support": "no window beside agrees",
+    "patch": "a patch of like disparities that is smaller than a window",
     "anchor": "not where the feature's first picture puts it", "neighbours": "not as the features around it move",
     "drift": "measured only against later pictures, too inexactly"}
 """What a measurement's reason of refusal means."""

@@ -40,10 +40,11 @@ def _pair(folder: Path, across: int, down: int) -> tuple[Path, Path]:
     return folder / "0.png", folder / "1.png"
 
 
-def _rig(path: Path) -> Path:
+def _rig(path: Path, shift: float = 0.0) -> Path:
     k = np.array([[150.0, 0, 77.5], [0, 150.0, 47.5], [0, 0, 1]])
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    entries: dict[str, Any] = {"image_width": 156, "image_height": 96, "K1": k, "K2": k, "D1": np.zeros(5),
+    other = k + np.array([[0, 0, shift], [0, 0, 0], [0, 0, 0]])
+    entries: dict[str, Any] = {"image_width": 156, "image_height": 96, "K1": k, "K2": other, "D1": np.zeros(5),
                                "D2": np.zeros(5), "R": np.eye(3), "T": np.array([[-0.1], [0.0], [0.0]])}
     for name, value in entries.items():
         storage.write(name, value)
@@ -64,6 +65,28 @@ def test_a_range_at_every_pixel(tmp_path: Path) -> None:
     assert len(rows) == (-(-96 // 8)) * (-(-156 // 8)) and {float(r["x_px"]) % 8 for r in rows} == {0.0}
     page = (tmp_path / "out" / "report.html").read_text()
     assert "--dense" in page and "--step 1" in page and "every pixel" in page
+
+
+def test_a_rectified_pair_has_the_geometry_of_its_calibration(tmp_path: Path) -> None:
+    """The principal points lie 2 px apart, which rectification would move into one place; the focal length stays."""
+    rig = _rig(tmp_path / "rig.yaml", shift=2.0)
+    for more in ((), ("--rectified",)):
+        result = _run("stereo", *_pair(tmp_path, -5, 0), "--dense", "--calibration", rig, *more, "--most", "20",
+                      "--out", tmp_path / "out")
+        assert result.exit_code == 0, result.output
+        ranges = tifffile.imread(tmp_path / "out" / "range.tiff")
+        assert np.nanmedian(ranges) == pytest.approx(150 * 0.1 / (5 + 2), abs=0.02), more
+
+
+def test_a_mistyped_command_leaves_what_an_earlier_one_wrote(tmp_path: Path) -> None:
+    left, right = _pair(tmp_path, -5, 0)
+    assert _run("stereo", left, right, "--dense", "--most", "20", "--out", tmp_path / "out").exit_code == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    write_picture(tmp_path / "small.png", SCENE[:90, :100].copy())
+    for wrong in ((left, right, "--least", "20", "--most", "10"), (left, right, "--most", "900"),
+                  (left, tmp_path / "small.png")):
+        assert _run("stereo", *wrong, "--dense", "--out", tmp_path / "out").exit_code == 1
+        assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before, wrong
 
 
 def test_a_field_in_colours(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def _moving(folder: Path, pairs: list[str]) -> Section:
     shown = axis.scatter(at, speed, s=np.clip(np.sqrt(area), 8, 200), c=sure, vmin=0, vmax=100, cmap="viridis")
     fig.colorbar(shown, label="confidence")
     axis.set(ylabel="own motion, px per frame", xlabel="pair of frames", xlim=(-0.5, len(pairs) - 0.5))
-    axis.set_ylim(bottom=0)
+    axis.set_ylim(0, 1.15 * max(speed.max(initial=0.0), 1.0))
     about = ("What moves otherwise than most of the picture; outlined in the pictures above, with its motion against "
              "the background, drawn twice as long, and masked below. Something at rest that is much nearer or farther "
              "than the rest shifts against it when the camera moves, and counts too.")
