@@ -146,8 +146,8 @@ class Rig:
     def _level(self) -> StereoGeometry | None:
         """Geometry of the pair if it needs no rectification, else None."""
         one, two = self.first.matrix, self.second.matrix
-        if (self.first.distortion.any() or self.second.distortion.any() or np.abs(self.turn - np.eye(3)).max() > STILL
-                or np.abs(self.move[1:]).max() > -STILL * self.move[0]
+        if (self.first.fisheye or self.first.distortion.any() or self.second.distortion.any()
+                or np.abs(self.turn - np.eye(3)).max() > STILL or np.abs(self.move[1:]).max() > -STILL * self.move[0]
                 or not np.allclose(one[[0, 1, 1], [0, 1, 2]], two[[0, 1, 1], [0, 1, 2]], rtol=STILL)):
             return None
         return StereoGeometry(float(one[0, 0]), float(-self.move[0]), (float(one[0, 2]), float(one[1, 2])),

@@ -10,6 +10,8 @@ import pytest
 from signum.boards.golden import GoldenBoard
 from signum.geometry.calibration import CalibrationError, read_stereo
 from signum.geometry.camera import LOOK_DOWN, Sight
+from signum.geometry.lens import Lens
+from signum.geometry.rig import Rig
 from signum.measure.measurer import Measurer
 from signum.measure.stereo import measure_range
 from signum.world.camera import Pinhole
@@ -46,3 +48,16 @@ def test_calibration_rectifies(tmp_path: Path) -> None:
         rectifier(frames[0][:100], frames[1][:100])
     with pytest.raises(CalibrationError, match=r"no such file.*\(expected: calibration\)"):
         read_stereo(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize(("fisheye", "turn", "given"), [(False, 0.0, True), (False, 0.01, False), (True, 0.0, False)])
+def test_a_pair_that_needs_no_rectification_has_its_own_geometry(fisheye: bool, turn: float, given: bool) -> None:
+    """A fisheye lens without coefficients is not a pinhole: its pictures are bent."""
+    lenses = [Lens(np.array([[400.0, 0, x], [0, 400.0, 143.5], [0, 0, 1]]), np.zeros(4), (384, 288), fisheye)
+              for x in (191.5, 199.5)]
+    axes = np.asarray(cv2.Rodrigues(np.array([0, turn, 0]))[0], np.float64)
+    rig = Rig(lenses[0], lenses[1], axes, np.array([-BASELINE, 0, 0]), "rig")
+    own = rig.rectifier().given
+    assert (own is not None) == given
+    if own:
+        assert (own.focal, own.baseline, own.shift) == (400, BASELINE, 8) and own.centre == (191.5, 143.5)
